@@ -32,9 +32,12 @@ SOFTER, LESS = 0.80, 0.85
 #: Where measures are asked for [deg], and the quantities that the treatment changes.
 ANGLE = 10.0
 ASKED = (
-    "passive_stiffness@10deg", "passive_torque@10deg", "passive_torque_tri@10deg",
-    "k_tri", "x0_tri",
-)  # fmt: skip
+    "passive_stiffness@10deg",
+    "passive_torque@10deg",
+    "passive_torque_tri@10deg",
+    "k_tri",
+    "x0_tri",
+)
 
 
 @dataclass(frozen=True)
@@ -85,10 +88,13 @@ def write(session: Session, path: Path) -> None:
     task = "active" if session.seed % 2 else "part-passive"
     motion = generate(
         Protocol(
-            profile="multiple-holds", task=task, chirp_amplitude=0.2, chirp_rate=0.16,
+            profile="multiple-holds",
+            task=task,
+            chirp_amplitude=0.2,
+            chirp_rate=0.16,
             rate_hz=RATE * FINER,
         )
-    )  # fmt: skip
+    )
     time = motion.time
     envelopes = 1e-6 + 6e-4 * motion.effort * rng.uniform(0.7, 1.0, 4)
     late = np.stack([np.interp(time - delay, time, column) for column in envelopes.T], axis=1)
@@ -196,8 +202,10 @@ def main() -> None:
         print(f"leg {seed} is measured", file=sys.stderr, flush=True)
     held = intervals(pairs, given.folder, given.plain)
     sure = held[held["identified"]]
-    print(f"{held['true'].mean():.1%} of {len(held)} intervals hold the truth, of "
-          f"those identified {sure['true'].mean():.1%} of {len(sure)}\n")  # fmt: skip
+    print(
+        f"{held['true'].mean():.1%} of {len(held)} intervals hold the truth, of "
+        f"those identified {sure['true'].mean():.1%} of {len(sure)}\n"
+    )
     grouped = held.groupby("measure", sort=False)
     table = grouped[["true", "identified"]].mean()
     table["half-width [% or deg]"] = grouped["half-width [% or deg]"].median()

@@ -113,8 +113,10 @@ def main() -> None:
                 apart = np.mean(single[1]) - np.mean(single[0])
                 error = np.sqrt(sum(np.var(each, ddof=1) / len(each) for each in single))
                 plain.append(abs(apart - true) <= 1.96 * error)
-    print(f"\ngroup differences within their intervals: {np.mean(held):.1%} of {len(held)}; "
-          f"of plain means of fits {np.mean(plain):.1%}")  # fmt: skip
+    print(
+        f"\ngroup differences within their intervals: {np.mean(held):.1%} of {len(held)}; "
+        f"of plain means of fits {np.mean(plain):.1%}"
+    )
     print("\n| quantity | weak: alone | together | ratio | strong: alone | together | ratio |")
     print("|---|--:|--:|--:|--:|--:|--:|")
     for name in dict.fromkeys(name for name, _ in errors):

@@ -163,9 +163,12 @@ class Program:
     def __init__(self, folder):
         self.said, self.new = [], threading.Condition()
         self.process = subprocess.Popen(
-            [sys.executable, __file__, str(folder), "--room"], text=True,
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=sys.stderr,
-        )  # fmt: skip
+            [sys.executable, __file__, str(folder), "--room"],
+            text=True,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=sys.stderr,
+        )
         threading.Thread(target=self.hear, daemon=True).start()
 
     def hear(self):

@@ -48,8 +48,9 @@ Errors = Callable[[Trajectory], dict[str, np.ndarray]]
 
 def asked(profile: str, amplitude: float) -> Protocol:
     """A protocol of the thesis."""
-    return Protocol(profile=profile, chirp_amplitude=amplitude, duration=SECONDS, rate_hz=RATE,
-                    device=ACHILLES)  # fmt: skip
+    return Protocol(
+        profile=profile, chirp_amplitude=amplitude, duration=SECONDS, rate_hz=RATE, device=ACHILLES
+    )
 
 
 def of_all(legs: Legs) -> Errors:
@@ -106,9 +107,12 @@ def aim(name: str) -> Iterator[dict[str, object]]:
     seconds = round(time.process_time() - begun, 1)
     for held in (False, True):
         compared = against(of_aim(legs, name), held=held)
-        yield {"against": "thesis within 80 Nm" if held else "thesis", "seconds": seconds,
-               "effort": round(float(made.trajectory.effort.sum()), 1),
-               **compared(made.trajectory)}  # fmt: skip
+        yield {
+            "against": "thesis within 80 Nm" if held else "thesis",
+            "seconds": seconds,
+            "effort": round(float(made.trajectory.effort.sum()), 1),
+            **compared(made.trajectory),
+        }
 
 
 class _Noted(search_module._Judge):
@@ -157,10 +161,11 @@ def limits() -> Iterator[dict[str, object]]:
     budget = genes_module.effort_budget
     whole, held = against(of_all(legs)), against(of_all(legs), held=True)
     cases = {
-        "all limits": (ACHILLES, 1.0), "torque free": (free, 1.0),
+        "all limits": (ACHILLES, 1.0),
+        "torque free": (free, 1.0),
         "torque free, effort three times": (free, 3.0),
         "torque free, 3 rad/s": (replace(free, max_velocity=3.0), 1.0),
-    }  # fmt: skip
+    }
     for name, (device, times) in cases.items():
         genes_module.effort_budget = lambda s, times=times: tuple(times * e for e in budget(s))
         made = design(device=device)
@@ -186,9 +191,12 @@ def fits(count: int) -> Iterator[dict[str, object]]:
                 sums[name][k] += value / count
         yield line
     for name, (identified, right, error) in sums.items():
-        yield {"protocol": name, "identified": round(identified, 2),
-               "of_them_within_10_percent": round(right, 2),
-               "median_error_percent": round(100.0 * error, 3)}  # fmt: skip
+        yield {
+            "protocol": name,
+            "identified": round(identified, 2),
+            "of_them_within_10_percent": round(right, 2),
+            "median_error_percent": round(100.0 * error, 3),
+        }
 
 
 def fitted(subject: object, trajectory: Trajectory, seed: int) -> tuple[int, int, float]:
@@ -196,9 +204,13 @@ def fitted(subject: object, trajectory: Trajectory, seed: int) -> tuple[int, int
     and the median error of all."""
     trial = virtual_trial(subject, trajectory, noise=0.0)
     torque = trial.torque + NOISE * np.random.default_rng(seed).standard_normal(trial.n)
-    columns = {"time_s": trial.time, "angle_rad": trial.angle, "torque_Nm": torque,
-               "angular_velocity_rad_s": trial.velocity,
-               "angular_acceleration_rad_s2": trial.acceleration}  # fmt: skip
+    columns = {
+        "time_s": trial.time,
+        "angle_rad": trial.angle,
+        "torque_Nm": torque,
+        "angular_velocity_rad_s": trial.velocity,
+        "angular_acceleration_rad_s2": trial.acceleration,
+    }
     emg = {f"emg_{m}_V": trial.emg[:, i] for i, m in enumerate(("ta", "gl", "sol", "gm"))}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "trial.csv"
@@ -206,8 +218,11 @@ def fitted(subject: object, trajectory: Trajectory, seed: int) -> tuple[int, int
         fit = surae.fit(path, "muscle", prepared=True, starts=2)
     errors = {n: abs(p.value / subject.parameters[n] - 1.0) for n, p in fit.parameters.items()}
     identified = [n for n, p in fit.parameters.items() if p.verdict == "identified"]
-    return (len(identified), sum(errors[n] < 0.1 for n in identified),
-            float(np.median(list(errors.values()))))  # fmt: skip
+    return (
+        len(identified),
+        sum(errors[n] < 0.1 for n in identified),
+        float(np.median(list(errors.values()))),
+    )
 
 
 if __name__ == "__main__":

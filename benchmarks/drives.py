@@ -31,9 +31,15 @@ CASES = (
     ("reflex, active and stretches", "muscle", ("active", "fast"), ("reflex",), (), (False, True)),
     ("reflex, stretches alone", "muscle", ("fast",), ("reflex",), ACTIVE, (False, True)),
     ("both", "muscle", ("active", "fast"), ("emd", "reflex"), (), (True, True)),
-    ("reflex, active and stretches", "muscle-tendon", ("active", "fast"), ("reflex",), (),
-     (False, True)),
-)  # fmt: skip
+    (
+        "reflex, active and stretches",
+        "muscle-tendon",
+        ("active", "fast"),
+        ("reflex",),
+        (),
+        (False, True),
+    ),
+)
 
 
 def active_trial(seed: int) -> ModelInputs:
@@ -111,10 +117,15 @@ def errors(
         }
         truth = dict(virtual_subject(seed).truth(model, OPTIONS)) | drawn
         recorded = [
-            measured(active_trial(seed) if kind == "active" else fast_stretches(), model, truth,
-                     noise, rng)
+            measured(
+                active_trial(seed) if kind == "active" else fast_stretches(),
+                model,
+                truth,
+                noise,
+                rng,
+            )
             for kind in trials
-        ]  # fmt: skip
+        ]
         fixed = {name: truth[name] for name in known}
         assessed = assess(
             fit_problem(make_problem(recorded, model, free=freed, fixed=fixed), starts=starts)

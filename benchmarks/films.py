@@ -65,10 +65,11 @@ def main() -> None:
                 text = mapped.read_text()
                 for way, muscles in WAYS.items():
                     parts = [
-                        part for part in text.split("[channels.")
+                        part
+                        for part in text.split("[channels.")
                         if not part.startswith("fascicle")
                         or part[9:].startswith(tuple(muscles) or "-")
-                    ]  # fmt: skip
+                    ]
                     mapped.write_text("[channels.".join(parts))
                     fit = surae.fit(mapped, quality=())
                     follows += [q.rmse_mm for r in fit.assessment.recordings for q in r.fascicles]

@@ -17,10 +17,22 @@ SPEC = get_model("muscle-tendon")
 SECONDS = 32.0
 FINE = 32_000.0  # Hz
 HEALTHY = {
-    "m": 2.0, "k_tri": 200.0, "k_tib": 110.0, "x0_tri": 0.018, "x0_tib": 0.065,
-    "tau_rel": 2.0, "k_rel": 0.4, "g1": 0.6e6, "g2": 0.9e6, "g3": 1.3e6, "g4": 1.0e6,
-    "l0_tri": 0.045, "l0_tib": 0.075, "f0": 2.0, "beta": 1.0,
-}  # fmt: skip
+    "m": 2.0,
+    "k_tri": 200.0,
+    "k_tib": 110.0,
+    "x0_tri": 0.018,
+    "x0_tib": 0.065,
+    "tau_rel": 2.0,
+    "k_rel": 0.4,
+    "g1": 0.6e6,
+    "g2": 0.9e6,
+    "g3": 1.3e6,
+    "g4": 1.0e6,
+    "l0_tri": 0.045,
+    "l0_tib": 0.075,
+    "f0": 2.0,
+    "beta": 1.0,
+}
 
 
 def movement(rate_hz: float) -> ModelInputs:

@@ -92,12 +92,14 @@ def coverage(
     bias, rmse = errors.mean(axis=0) / values, np.sqrt(np.mean(errors**2, axis=0)) / values
     rows = [
         CoverageRow(
-            name, len(held[j]), *map(float, (bias[j], rmse[j], bound[j] / values[j])),
+            name,
+            len(held[j]),
+            *map(float, (bias[j], rmse[j], bound[j] / values[j])),
             *map(float, np.mean(held[j], axis=0) if held[j] else (np.nan, np.nan)),
             float(identified[j] / realisations),
         )
         for j, name in enumerate(names)
-    ]  # fmt: skip
+    ]
     return Coverage(realisations, robust / realisations, tuple(rows))
 
 
@@ -214,9 +216,12 @@ def main() -> None:
     if given.legs is not None:
         for rho in given.rho:
             table = of_legs(
-                protocol, given.legs, given.noise,
-                partial(correlated, rho=rho, sd=1.0), partial(innovations, rho=rho, sd=1.0),
-            )  # fmt: skip
+                protocol,
+                given.legs,
+                given.noise,
+                partial(correlated, rho=rho, sd=1.0),
+                partial(innovations, rho=rho, sd=1.0),
+            )
             print(f"## ρ = {rho:g}, {given.legs} legs\n\n{table}\n", flush=True)
         return
     clean = virtual_trial(subject, generate(protocol), noise=0.0)

@@ -53,9 +53,13 @@ def killed(
     mark = f"SURAE_KILLS={os.urandom(8).hex()}"
     name, _, value = mark.partition("=")
     process = subprocess.Popen(
-        command, cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+        command,
+        cwd=folder,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
         env={**os.environ, name: value},
-    )  # fmt: skip
+    )
     try:
         during(process)
     finally:
@@ -85,8 +89,16 @@ class Workbench:
 
     def once(self) -> float:
         """One life of the server."""
-        command = [*SURAE, "serve", str(self.folder / "project"), "--port", "0", "--no-open",
-                   "--workers", "1"]  # fmt: skip
+        command = [
+            *SURAE,
+            "serve",
+            str(self.folder / "project"),
+            "--port",
+            "0",
+            "--no-open",
+            "--workers",
+            "1",
+        ]
         lived = killed(command, self.folder, self.work)
         seen = upkeep.check(self.folder / "project")
         if seen.problems:

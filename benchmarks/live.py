@@ -130,17 +130,20 @@ def layouts(minutes: float, reconnections: int, seed: int = 1) -> Iterator[dict[
                     "minute": round((time.monotonic() - begun) / 60.0, 1),
                     "layout": streams["changes"].layout_text,
                     "received": streams["changes"].received,
-                    "frames": told.count("frame"), "layouts_told": told.count("layout"),
+                    "frames": told.count("frame"),
+                    "layouts_told": told.count("layout"),
                     "memory_MB": round(own.memory_info().rss / 1e6, 1),
-                }  # fmt: skip
+                }
             time.sleep(choice.uniform(0.0, 3.0))
         took, spent = time.monotonic() - begun, own.cpu_times()
         used_s = spent.user + spent.system - used.user - used.system
         served.close()
         yield {
-            "minutes": round(took / 60.0, 1), "percent_of_a_core": round(100.0 * used_s / took, 1),
-            "trouble": recorder.trouble, **counted(Path(folder) / "out"),
-        }  # fmt: skip
+            "minutes": round(took / 60.0, 1),
+            "percent_of_a_core": round(100.0 * used_s / took, 1),
+            "trouble": recorder.trouble,
+            **counted(Path(folder) / "out"),
+        }
 
 
 def counted(folder: Path) -> dict[str, int]:
@@ -281,8 +284,11 @@ def soak(minutes: int) -> Iterator[dict[str, float]]:
             done = Path(folder) / f"{minute}.xdf"
             counted = subprocess.run(
                 [sys.executable, __file__, "count", str(done)],
-                stdout=subprocess.PIPE, check=True, text=True, timeout=10 * LIMIT,
-            )  # fmt: skip
+                stdout=subprocess.PIPE,
+                check=True,
+                text=True,
+                timeout=10 * LIMIT,
+            )
             first, newest, within = json.loads(counted.stdout)
             missing += within + (0 if last is None else first - last - 1)
             last = newest
@@ -291,12 +297,13 @@ def soak(minutes: int) -> Iterator[dict[str, float]]:
             spent = used.user + used.system - before.user - before.system
             begun, seconds = time.monotonic(), time.monotonic() - begun
             yield {
-                "minute": minute + 1, "missing": missing,
+                "minute": minute + 1,
+                "missing": missing,
                 "frames_per_s": round(len(frames) / seconds, 1),
                 "percent_of_a_core": round(100.0 * spent / seconds, 1),
                 "memory_MB": round(own.memory_info().rss / 1e6, 1),
                 "load": round(os.getloadavg()[0], 1),
-            }  # fmt: skip
+            }
             frames.clear()
         showing.close()
         recorder.close()
@@ -320,11 +327,12 @@ def trials(count: int) -> Iterator[dict[str, object]]:
                 begun = time.monotonic()
                 surae.fit(said["recording"], "muscle", starts=3, quality=[])
                 yield {
-                    "trial": number, "verdict": said["verdict"],
+                    "trial": number,
+                    "verdict": said["verdict"],
                     "seconds_to_verdict": said["seconds_to_verdict"],
                     "seconds_of_a_fit": round(time.monotonic() - begun, 3),
                     "load": round(os.getloadavg()[0], 1),
-                }  # fmt: skip
+                }
         finally:
             room.close()
 

@@ -121,9 +121,12 @@ def signals(
         torque = made.channels["torque"].values
     else:
         trial = virtual_trial(
-            subject, moved, noise=0.05 if seed % 4 == 1 else 0.01, seed=seed,
+            subject,
+            moved,
+            noise=0.05 if seed % 4 == 1 else 0.01,
+            seed=seed,
             imperfections=imperfections,
-        )  # fmt: skip
+        )
         emg, torque = trial.emg, trial.torque
     return Signals(
         moved.time.copy(), moved.angle.copy(), np.array(torque), np.array(emg), raw, moved, rng
@@ -417,13 +420,23 @@ def main() -> None:
             hits += code in reported
             beside.update(reported - {code})
             if chosen.missed and code not in reported:
-                print("  missed", name, seed, s.raw, s.trajectory.settings.profile,
-                      s.trajectory.settings.task, s.trajectory.settings.chirp_amplitude,
-                      s.trajectory.settings.device is not None, sorted(reported))  # fmt: skip
+                print(
+                    "  missed",
+                    name,
+                    seed,
+                    s.raw,
+                    s.trajectory.settings.profile,
+                    s.trajectory.settings.task,
+                    s.trajectory.settings.chirp_amplitude,
+                    s.trajectory.settings.device is not None,
+                    sorted(reported),
+                )
         others = ", ".join(f"{c} {k}" for c, k in beside.most_common(5) if k > 0.05 * len(seeds))
         print(f"| {name} | {hits} | {false[code]} | {others} |", flush=True)
-    print(f"\n{clean} of {len(seeds)} clean recordings have no finding, "
-          f"all together {sum(false.values())} findings: {dict(false)}")  # fmt: skip
+    print(
+        f"\n{clean} of {len(seeds)} clean recordings have no finding, "
+        f"all together {sum(false.values())} findings: {dict(false)}"
+    )
 
 
 if __name__ == "__main__":

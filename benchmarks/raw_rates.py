@@ -55,22 +55,28 @@ def main() -> None:
                     path = thinned(path, every) if every else path
                     plain, whole = (surae.fit(path, m, quality=()) for m in ("muscle", "auto"))
                     known = [
-                        p for n, p in whole.parameters.items()
+                        p
+                        for n, p in whole.parameters.items()
                         if p.verdict == "identified" and truth.get(n) is not None
-                    ]  # fmt: skip
+                    ]
                     true = sum(p.ci95[0] <= truth[p.name] <= p.ci95[1] for p in known)
                     r2 = whole.adequacy.r2, plain.adequacy.r2
                     rate = f"{1024 // every} Hz" if every else "envelope"
-                    print(f"{family}-{seed:<6} {rate:>9} {r2[0]:8.2f} {r2[1]:7.2f} {len(known):>8}"
-                          f" {true:>8}  {whole.status}", flush=True)  # fmt: skip
+                    print(
+                        f"{family}-{seed:<6} {rate:>9} {r2[0]:8.2f} {r2[1]:7.2f} {len(known):>8}"
+                        f" {true:>8}  {whole.status}",
+                        flush=True,
+                    )
                     row = counts[every]
                     for i, one in enumerate((1, len(known), true, r2[0] < r2[1] - 0.5)):
                         row[i] += one
                     row[4] = max(row[4], r2[1] - r2[0])
     for every, (n, known, true, less, most) in counts.items():
         rate = f"{1024 // every} Hz" if every else "envelope"
-        print(f"{rate:>9}: {n:.0f} legs, identified {known:.0f}, true {true:.0f}; more than 0.5 "
-              f"points below muscle {less:.0f} (at most {most:.2f})")  # fmt: skip
+        print(
+            f"{rate:>9}: {n:.0f} legs, identified {known:.0f}, true {true:.0f}; more than 0.5 "
+            f"points below muscle {less:.0f} (at most {most:.2f})"
+        )
 
 
 if __name__ == "__main__":

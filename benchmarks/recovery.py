@@ -141,9 +141,12 @@ def main() -> None:
     given = parser.parse_args()
     for profile in given.profile:
         protocol = Protocol(
-            profile=profile, task=given.task, chirp_amplitude=0.2, chirp_rate=0.5,
+            profile=profile,
+            task=given.task,
+            chirp_amplitude=0.2,
+            chirp_rate=0.5,
             rate_hz=given.rate,
-        )  # fmt: skip
+        )
         begin = time.perf_counter()
         asked = {name: getattr(given, name) for name in ("population", "model", "noise", "starts")}
         recoveries = [recover(seed, protocol, **asked) for seed in range(given.subjects)]

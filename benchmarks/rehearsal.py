@@ -127,8 +127,9 @@ def session(operator: Operator, subject: Page, seconds: float) -> None:
     operator.judged(operator.begin("r"))
     begun = time.monotonic()
     expect(page.locator("#next")).to_be_visible(timeout=2 * PATIENCE)
-    expect(page.locator("#session")).to_contain_text("Trials 1, 2, 3, 5, 6 together",
-                                                     timeout=2 * PATIENCE)  # fmt: skip
+    expect(page.locator("#session")).to_contain_text(
+        "Trials 1, 2, 3, 5, 6 together", timeout=2 * PATIENCE
+    )
     print(json.dumps({"joint_fit_after_the_last_verdict_s": round(time.monotonic() - begun, 1)}))
     page.screenshot(path=operator.folder / "whole-page.png", full_page=True)
     page.locator("#session").screenshot(path=operator.folder / "session.png")
@@ -141,14 +142,26 @@ def main(folder: Path, seconds: float) -> None:
     """Make the session, and say what it took."""
     folder.mkdir(parents=True, exist_ok=True)
     process = subprocess.Popen(
-        [sys.executable, "-m", "surae", "live", "--rehearse", "--no-open", "--port", "0",
-         "--output", str(folder / "leg")],
-        stdout=subprocess.PIPE, text=True,
-    )  # fmt: skip
+        [
+            sys.executable,
+            "-m",
+            "surae",
+            "live",
+            "--rehearse",
+            "--no-open",
+            "--port",
+            "0",
+            "--output",
+            str(folder / "leg"),
+        ],
+        stdout=subprocess.PIPE,
+        text=True,
+    )
     try:
         address = re.search(r"http://\S+", process.stdout.readline())[0]
-        path = next(p for n in ("chromium", "chromium-browser", "google-chrome")
-                    if (p := shutil.which(n)))  # fmt: skip
+        path = next(
+            p for n in ("chromium", "chromium-browser", "google-chrome") if (p := shutil.which(n))
+        )
         with sync_playwright() as player:
             browser = player.chromium.launch(
                 executable_path=path, args=["--no-sandbox", "--disable-gpu"]
@@ -162,9 +175,17 @@ def main(folder: Path, seconds: float) -> None:
             subject.goto(f"{address}subject")
             session(Operator(page, folder), subject, seconds)
             late = np.array(page.evaluate("window.suraeLatency"))
-            print(json.dumps({"frames": len(late), "median_ms": float(np.median(late)),
-                              "p99_ms": float(np.quantile(late, 0.99)), "worst_ms": int(late.max()),
-                              "wrong": wrong}))  # fmt: skip
+            print(
+                json.dumps(
+                    {
+                        "frames": len(late),
+                        "median_ms": float(np.median(late)),
+                        "p99_ms": float(np.quantile(late, 0.99)),
+                        "worst_ms": int(late.max()),
+                        "wrong": wrong,
+                    }
+                )
+            )
             browser.close()
     finally:
         process.terminate()

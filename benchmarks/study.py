@@ -45,9 +45,10 @@ def measured(study: str, folder: Path, *options: str) -> tuple[float, float, lis
     (folder / "study.toml").write_text(study, encoding="utf-8")
     begin, peak = time.perf_counter(), 0
     with subprocess.Popen(
-        command("run", "study.toml", "--store", "s.db", *options), cwd=folder,
+        command("run", "study.toml", "--store", "s.db", *options),
+        cwd=folder,
         stdout=subprocess.DEVNULL,
-    ) as process:  # fmt: skip
+    ) as process:
         top = psutil.Process(process.pid)
         while process.poll() is None:
             try:
@@ -59,8 +60,12 @@ def measured(study: str, folder: Path, *options: str) -> tuple[float, float, lis
     wall = time.perf_counter() - begin
     if process.returncode:
         sys.exit(process.returncode)
-    subprocess.run(command("export", "s.db", "--output", "t.csv"), cwd=folder, check=True,
-                   stdout=subprocess.DEVNULL)  # fmt: skip
+    subprocess.run(
+        command("export", "s.db", "--output", "t.csv"),
+        cwd=folder,
+        check=True,
+        stdout=subprocess.DEVNULL,
+    )
     with (folder / "t.csv").open(newline="", encoding="utf-8") as handle:
         seconds = [float(row["seconds"]) for row in csv.DictReader(handle)]
     return wall, peak / 2**20, seconds

@@ -53,11 +53,16 @@ def answers(fit: surae.Fit, known: Container[str]) -> list[list[object]]:
     told |= {name: m for name, m in fit.measures(angles=MEASURED_AT).items() if name in known}
     return [
         [
-            name, "" if p.value is None else p.value, *(p.ci95 or ("", "")), p.verdict,
-            fit.adequacy.grade, getattr(p, "repeatable", ""), *(p.ci95_repeat or ("", "")),
+            name,
+            "" if p.value is None else p.value,
+            *(p.ci95 or ("", "")),
+            p.verdict,
+            fit.adequacy.grade,
+            getattr(p, "repeatable", ""),
+            *(p.ci95_repeat or ("", "")),
         ]
         for name, p in told.items()
-    ]  # fmt: skip
+    ]
 
 
 def identified_without(fit: surae.Fit) -> Counter[str]:
@@ -113,13 +118,23 @@ def main() -> None:
                         make(family, seed, Path(temporary), (trial + i,), kind=kind, **known)[0]
                         for i, kind in enumerate(visit)
                     ]
-                    own = {"geometry": paths[0].parent / "geometry" / "geometry.csv",
-                           "geometry_of": "person"} if given.geometry else {}  # fmt: skip
+                    own = (
+                        {
+                            "geometry": paths[0].parent / "geometry" / "geometry.csv",
+                            "geometry_of": "person",
+                        }
+                        if given.geometry
+                        else {}
+                    )
                     begin = time.process_time()
                     fits[trial] = surae.fit(paths, model=given.model, quality=(), **own)
                     seconds = time.process_time() - begin
-                    print(f"{family}-{seed}, trial {trial}: {seconds:.1f} s of processor, "
-                          f"{fits[trial].result.message}", file=sys.stderr, flush=True)  # fmt: skip
+                    print(
+                        f"{family}-{seed}, trial {trial}: {seconds:.1f} s of processor, "
+                        f"{fits[trial].result.message}",
+                        file=sys.stderr,
+                        flush=True,
+                    )
                 for trial in first:
                     known = truth_of(family, seed, trial)["measures"]
                     rows = answers(fits[trial], known)
@@ -137,8 +152,10 @@ def main() -> None:
         print(table(score(path, PARAMETERS)))
         print("measures\n" + table(score(path, measures_of(path))))
         print(names(path, measures_of(path)))
-        print("within 10 % if a source were known: "
-              + ", ".join(f"{s} {n}" for s, n in without.most_common()))  # fmt: skip
+        print(
+            "within 10 % if a source were known: "
+            + ", ".join(f"{s} {n}" for s, n in without.most_common())
+        )
         if given.changes:
             print(change_table(folder / "changes.csv"))
 

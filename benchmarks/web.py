@@ -70,10 +70,22 @@ def made(path: Path, rate: float, noise: float = 0.05, **motion: Any) -> Path:
 def served(folder: Path, workers: int) -> Iterator[tuple[str, int]]:
     """Address and process of a server of its own."""
     process = subprocess.Popen(
-        [sys.executable, "-P", "-m", "surae", "serve", str(folder / "project"), "--port", "0",
-         "--no-open", "--workers", str(workers)],
-        stdout=subprocess.PIPE, text=True,
-    )  # fmt: skip
+        [
+            sys.executable,
+            "-P",
+            "-m",
+            "surae",
+            "serve",
+            str(folder / "project"),
+            "--port",
+            "0",
+            "--no-open",
+            "--workers",
+            str(workers),
+        ],
+        stdout=subprocess.PIPE,
+        text=True,
+    )
     try:
         assert process.stdout is not None
         yield process.stdout.readline().split()[2].rstrip("/"), process.pid
@@ -213,9 +225,20 @@ def soak(address: str, pid: int, trial: Path, given: argparse.Namespace) -> None
     end = time.monotonic() + 60.0 * given.minutes
     times: dict[str, list[float]] = defaultdict(list)
     failures: list[str] = []
-    kinds = (["/", "/fit", "/api/recordings", "/api/fits", f"/api/recordings/{recording}/window",
-              f"/api/fits/{fit}/traces"] * 4 + ["slider"] * 8 + ["inspect"] * 2
-             + [f"/api/fits/{fit}/report.html", "report"])  # fmt: skip
+    kinds = (
+        [
+            "/",
+            "/fit",
+            "/api/recordings",
+            "/api/fits",
+            f"/api/recordings/{recording}/window",
+            f"/api/fits/{fit}/traces",
+        ]
+        * 4
+        + ["slider"] * 8
+        + ["inspect"] * 2
+        + [f"/api/fits/{fit}/report.html", "report"]
+    )
 
     def browse(seed: int) -> None:
         chance, client = random.Random(seed), Client(address)

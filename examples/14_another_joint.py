@@ -17,10 +17,22 @@ import surae
 
 wrist = {"joint": "wrist/joint.toml", "geometry": "wrist/geometry.csv"}
 truth = {
-    "m": 0.5, "k_tri": 160.0, "k_tib": 140.0, "x0_tri": 0.043, "x0_tib": 0.046, "tau_rel": 2.0,
-    "k_rel": 0.3, "g1": 5e5, "g2": 3e5, "g3": 6e5, "g4": 0.0, "l0_tri": 0.062, "l0_tib": 0.064,
-    "f0": 2.2, "beta": 1.0,
-}  # fmt: skip
+    "m": 0.5,
+    "k_tri": 160.0,
+    "k_tib": 140.0,
+    "x0_tri": 0.043,
+    "x0_tib": 0.046,
+    "tau_rel": 2.0,
+    "k_rel": 0.3,
+    "g1": 5e5,
+    "g2": 3e5,
+    "g3": 6e5,
+    "g4": 0.0,
+    "l0_tri": 0.062,
+    "l0_tib": 0.064,
+    "f0": 2.2,
+    "beta": 1.0,
+}
 
 # Forty seconds: slow and quick turns within 40° to either side, the muscles in turn.
 random = np.random.default_rng(1)

@@ -156,9 +156,11 @@ def _differing(
 
 def _motion(rate_hz: float, seed: int, settings: Mapping[str, Any]) -> Trajectory:
     usual = {
-        "profile": "multiple-holds", "task": "active" if seed % 2 else "part-passive",
-        "chirp_amplitude": 0.2, "chirp_rate": 0.16,
-    }  # fmt: skip
+        "profile": "multiple-holds",
+        "task": "active" if seed % 2 else "part-passive",
+        "chirp_amplitude": 0.2,
+        "chirp_rate": 0.16,
+    }
     return generate(Protocol(**{**usual, **settings}, rate_hz=rate_hz))
 
 

@@ -41,9 +41,13 @@ def path(inputs, tmp_path_factory):
     """The trial as a CSV file, EMG as envelopes."""
     where = tmp_path_factory.mktemp("api") / "trial.csv"
     columns = [
-        inputs.time, inputs.angle, inputs.torque, *inputs.emg.T, inputs.velocity,
+        inputs.time,
+        inputs.angle,
+        inputs.torque,
+        *inputs.emg.T,
+        inputs.velocity,
         inputs.acceleration,
-    ]  # fmt: skip
+    ]
     header = (
         "# emg: envelope\n"
         "time_s,angle_rad,torque_Nm,emg_ta_V,emg_gl_V,emg_sol_V,emg_gm_V,"

@@ -75,8 +75,13 @@ def test_raw_emg_is_thinned_and_counted_by_its_rate(bench, tmp_path, monkeypatch
     path = tmp_path / "leg.csv"
     path.write_text("".join(f"{line}\n" for line in ("# emg: raw", "time_s", *range(7))))
     assert raw.thinned(path, 3).read_text().split("\n") == [
-        "# emg: raw", "time_s", "0", "3", "6", ""
-    ]  # fmt: skip
+        "# emg: raw",
+        "time_s",
+        "0",
+        "3",
+        "6",
+        "",
+    ]
     told = {
         "k_tri": SimpleNamespace(name="k_tri", verdict="identified", ci95=(1.0, 2.0)),
         "k_tib": SimpleNamespace(name="k_tib", verdict="identified", ci95=(2.0, 3.0)),

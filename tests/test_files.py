@@ -36,8 +36,11 @@ def test_a_polite_kill_leaves_no_half_file(tmp_path, name) -> None:
     (tmp_path / "out.csv").write_text("before")
     process = subprocess.Popen(
         [sys.executable, "-c", _HALF, str(tmp_path / "out.csv")],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
-    )  # fmt: skip
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
     with process:
         assert process.stdout is not None
         assert process.stdout.readline() == "writing\n"
@@ -71,9 +74,24 @@ def test_on_a_mac_the_disk_itself_is_asked(tmp_path, monkeypatch) -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["=1+1", "+1", "-1", "@x", "\t=1", " =1", "a;=1", "a; @x", "a,+1", "a\n=1", "\r=1", "＝1", "=",
-     "a|-1", '";=1'],
-)  # fmt: skip
+    [
+        "=1+1",
+        "+1",
+        "-1",
+        "@x",
+        "\t=1",
+        " =1",
+        "a;=1",
+        "a; @x",
+        "a,+1",
+        "a\n=1",
+        "\r=1",
+        "＝1",
+        "=",
+        "a|-1",
+        '";=1',
+    ],
+)
 def test_a_spreadsheet_runs_no_formula(text) -> None:
     line = files.csv_row(["S01", text, 1.5])
     (row,) = csv.reader([line.replace("\n", "⏎").replace("\r", "⏎").removesuffix("⏎")])
@@ -114,9 +132,13 @@ def test_a_folders_files_are_not_run(tmp_path) -> None:
         (tmp_path / f"{name}.py").write_text(code)
     for command in ([Path(sys.executable).parent / "surae"], [sys.executable, "-m", "surae"]):
         done = subprocess.run(
-            [*command, "check", "none.csv"], cwd=tmp_path, capture_output=True, text=True,
-            check=False, timeout=120,
-        )  # fmt: skip
+            [*command, "check", "none.csv"],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=120,
+        )
         assert done.returncode == 2
         assert "there is no such file" in done.stderr, done.stderr
     assert not (tmp_path / "ran").exists()

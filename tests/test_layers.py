@@ -216,9 +216,16 @@ def from_surae(source: Path) -> set[tuple[str, str]]:
 #: Of the thesis: a command is made of the shell's parts, a model of the models', a study of a
 #: fit's, and a batch's files are described as a reader's are.
 INSIDE = (
-    "command.py", "euler.py", "explicit.py", "files.py", "model_2010.py", "muscle_2010.py",
-    "store.py", "study.py", "tasks.py",
-)  # fmt: skip
+    "command.py",
+    "euler.py",
+    "explicit.py",
+    "files.py",
+    "model_2010.py",
+    "muscle_2010.py",
+    "store.py",
+    "study.py",
+    "tasks.py",
+)
 
 
 def test_the_thesis_is_built_on_what_is_public() -> None:
@@ -259,9 +266,14 @@ def test_the_workbench_is_built_on_the_api() -> None:
 #: Distributions of their own.
 BESIDE = sorted(PACKAGE.parents[1].glob("[a-z]*/src/surae_*"))
 BUILT_ON_IT = (
-    "surae_cohort", "surae_exchange", "surae_formats", "surae_nerve", "surae_posterior",
-    "surae_thesis", "surae_workbench",
-)  # fmt: skip
+    "surae_cohort",
+    "surae_exchange",
+    "surae_formats",
+    "surae_nerve",
+    "surae_posterior",
+    "surae_thesis",
+    "surae_workbench",
+)
 
 
 def test_nothing_of_surae_needs_what_is_built_on_it() -> None:

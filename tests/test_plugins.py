@@ -129,14 +129,19 @@ def laboratory(tmp_path, monkeypatch) -> Path:
 
 def python(code: str, folder: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=300,
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
         cwd=folder,
-    )  # fmt: skip
+    )
 
 
 def shell(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
-    return python(f"import sys; sys.argv = {['surae', *words]!r}\n"
-                  "from surae.cli import main; main()", folder)  # fmt: skip
+    return python(
+        f"import sys; sys.argv = {['surae', *words]!r}\nfrom surae.cli import main; main()", folder
+    )
 
 
 def test_a_model_is_simulated_and_a_broken_one_is_a_line(laboratory, tmp_path) -> None:
@@ -146,8 +151,17 @@ def test_a_model_is_simulated_and_a_broken_one_is_a_line(laboratory, tmp_path) -
     )
     values = {p.name: p.start for p in MODELS["muscle"].parameters}
     (tmp_path / "p.json").write_text(json.dumps({"parameters": values}))
-    done = shell(tmp_path, "simulate", "in.csv", "--model", "ours", "--parameters", "p.json",
-                 "--output", "out.csv")  # fmt: skip
+    done = shell(
+        tmp_path,
+        "simulate",
+        "in.csv",
+        "--model",
+        "ours",
+        "--parameters",
+        "p.json",
+        "--output",
+        "out.csv",
+    )
     assert done.returncode == 0, done.stderr
     assert [line for line in done.stderr.splitlines() if "left out" in line] == [
         "surae: broken is left out of surae.models: ModuleNotFoundError: No module named "

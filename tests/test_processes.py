@@ -180,10 +180,21 @@ def test_what_libraries_print_does_not_come_between(shared_child) -> None:
     assert shared_child.call(f"{ME}:shout", {}) == End("done", "quiet")
 
 
-@pytest.mark.parametrize("noise", [b"", b"\n", b"[1]\n", b'["{}", [["O", [9]]]]\n',
-                                   b'["{}", [["<f8", [-1]]]]\n', b'["{}", [["<f8", [9999999]]]]\nx',
-                                   b"[" * 100_000 + b"\n", b'["[]", []]\n', b'["{\\"told',
-                                   b'["{\\"a\\": {\\"\\\\u0000piece\\": 5}}", []]\n'])  # fmt: skip
+@pytest.mark.parametrize(
+    "noise",
+    [
+        b"",
+        b"\n",
+        b"[1]\n",
+        b'["{}", [["O", [9]]]]\n',
+        b'["{}", [["<f8", [-1]]]]\n',
+        b'["{}", [["<f8", [9999999]]]]\nx',
+        b"[" * 100_000 + b"\n",
+        b'["[]", []]\n',
+        b'["{\\"told',
+        b'["{\\"a\\": {\\"\\\\u0000piece\\": 5}}", []]\n',
+    ],
+)
 def test_a_child_that_was_taken_over_sends_nothing_that_runs(noise) -> None:
     with pytest.raises(EOFError):
         received(io.BytesIO(noise))
@@ -384,9 +395,13 @@ def test_a_study_runs_nothing_of_its_folder(tmp_path) -> None:
     told = planted(tmp_path)
     (tmp_path / "s.toml").write_text(STUDY.format(3), encoding="utf-8")
     done = subprocess.run(
-        [SURAE, "study", "run", "s.toml", "--store", "s.db", "--workers", "2"], cwd=tmp_path,
-        check=False, capture_output=True, text=True, timeout=PATIENCE,
-    )  # fmt: skip
+        [SURAE, "study", "run", "s.toml", "--store", "s.db", "--workers", "2"],
+        cwd=tmp_path,
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+    )
     assert (done.returncode, told.exists()) == (0, False), done.stderr
     assert "3 fits, all there" in done.stdout
 
@@ -402,9 +417,13 @@ def test_calls_of_a_script_run_nothing_of_its_folder(tmp_path) -> None:
     )
     told = planted(tmp_path)
     done = subprocess.run(
-        [sys.executable, script], cwd=tmp_path, check=False, capture_output=True, text=True,
+        [sys.executable, script],
+        cwd=tmp_path,
+        check=False,
+        capture_output=True,
+        text=True,
         timeout=PATIENCE,
-    )  # fmt: skip
+    )
     assert (done.stdout, told.exists()) == ("failed 1\n", False), done.stderr
 
 
@@ -414,9 +433,12 @@ def test_the_workbench_runs_nothing_of_its_folder(tmp_path) -> None:
     httpx = pytest.importorskip("httpx")
     told = planted(tmp_path)
     with subprocess.Popen(
-        [SURAE, "serve", "project", "--port", "0", "--no-open"], cwd=tmp_path, text=True,
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-    ) as server:  # fmt: skip
+        [SURAE, "serve", "project", "--port", "0", "--no-open"],
+        cwd=tmp_path,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+    ) as server:
         try:
             assert server.stdout is not None
             line = server.stdout.readline()
@@ -439,8 +461,11 @@ def gone(pids: list[int], seconds: float) -> bool:
     psutil = pytest.importorskip("psutil")
     end = time.monotonic() + seconds
     while time.monotonic() < end:
-        living = [p for p in pids if psutil.pid_exists(p)
-                  and psutil.Process(p).status() != psutil.STATUS_ZOMBIE]  # fmt: skip
+        living = [
+            p
+            for p in pids
+            if psutil.pid_exists(p) and psutil.Process(p).status() != psutil.STATUS_ZOMBIE
+        ]
         if not living:
             return True
         time.sleep(0.05)
@@ -454,9 +479,12 @@ def test_a_study_that_is_killed_leaves_no_process_and_lets_go_of_its_pipe(tmp_pa
     (tmp_path / "s.toml").write_text(STUDY.format(5000), encoding="utf-8")
     run = f"{SURAE} study run s.toml --store s.db --workers 2"
     with subprocess.Popen(
-        ["bash", "-c", f"{run} 2>&1 & echo $!; wait"], cwd=tmp_path, text=True,
-        stdout=subprocess.PIPE, start_new_session=True,
-    ) as shell:  # fmt: skip
+        ["bash", "-c", f"{run} 2>&1 & echo $!; wait"],
+        cwd=tmp_path,
+        text=True,
+        stdout=subprocess.PIPE,
+        start_new_session=True,
+    ) as shell:
         assert shell.stdout is not None
         parent = psutil.Process(int(shell.stdout.readline()))
         settled(shell, lambda: len(parent.children(recursive=True)) >= 2)

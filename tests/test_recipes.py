@@ -65,55 +65,81 @@ class SpringSimulator(Simulator):
 ADDED: dict[str, list[tuple[str, str, str]]] = {
     "a model": [
         ("model/spring.py", "", SPRING),
-        ("model/parameters.py", "#: Crosstalk: part", '''\
+        (
+            "model/parameters.py",
+            "#: Crosstalk: part",
+            """\
 SPRING_PARAMETERS: tuple[Parameter, ...] = (
     MUSCLE_PARAMETERS[0],
     _P("s_tri", "N/m", "spring of the triceps", "passive", 1e3, 0.0, 1e5, False, advice=_HOLD),
     _P("s_tib", "N/m", "spring of the tibialis", "passive", 1e3, 0.0, 1e5, False, advice=_HOLD),
     *(p for p in MUSCLE_PARAMETERS if p.name in ("g1", "g2", "g3", "g4", "f0", "beta")),
 )
-'''),
+""",
+        ),
         ("model/registry.py", "    OPTIONAL_PARAMETERS,", "    SPRING_PARAMETERS,\n"),
-        ("model/registry.py", "        ModelSpec(", '''        ModelSpec(
+        (
+            "model/registry.py",
+            "        ModelSpec(",
+            """        ModelSpec(
             "spring", "springs", SPRING_PARAMETERS, tuple(p.name for p in SPRING_PARAMETERS),
             "surae.model.spring:SpringSimulator", linear=("m", "s_tri", "s_tib", *_WEIGHTS),
         ),
-'''),
+""",
+        ),
         ("base/names.py", '"muscle-tendon-toe"', '"spring", '),
     ],
     "a parameter": [
-        ("model/parameters.py", '    "crosstalk": tuple(', '''    "viscosity": (
+        (
+            "model/parameters.py",
+            '    "crosstalk": tuple(',
+            """    "viscosity": (
         _P("viscosity", "Nm·s/rad", "viscosity of the joint", "passive", 0.0, 0.0, 20.0, False,
            straight=True, wide=Prior(0.5, 1.0, "assumed; no measurement known"),
            torque=Added("inertial", attrgetter("velocity")),
            advice="move the relaxed leg at several speeds"),
     ),
-'''),
+""",
+        ),
         ("base/names.py", "LOSSES = (", 'DRIVES |= {"viscosity": "viscosity of the joint"}\n'),
     ],
     "something that the laboratory cannot rule out": [
-        ("model/parameters.py", '_GEOMETRY = N_("give', '''\
+        (
+            "model/parameters.py",
+            '_GEOMETRY = N_("give',
+            """\
 def _direction(inputs: "ModelInputs") -> FloatArray:
     return np.sign(inputs.velocity)
 
 
-'''),
-        ("model/parameters.py", '    "plate_give": (', '''    "friction": (
+""",
+        ),
+        (
+            "model/parameters.py",
+            '    "plate_give": (',
+            """    "friction": (
         _M("friction", "Nm", "friction of the device", 0.0, 5.0,
            "run the device without a foot, and take its friction away",
            Added("zero", _direction)),
     ),
-'''),
+""",
+        ),
         ("model/sources.py", "    UncertaintySource(", FRICTION),
     ],
     "a source of uncertainty that nothing is estimated for": [
         ("model/sources.py", "    UncertaintySource(", SCALE),
-        ("inference/uncertainty/combined.py", "    return Uncertainty(",
-         '    rows["scale"] = 0.005 * values[None, :]\n'),
+        (
+            "inference/uncertainty/combined.py",
+            "    return Uncertainty(",
+            '    rows["scale"] = 0.005 * values[None, :]\n',
+        ),
     ],
     "a finding": [
         ("quality/finding.toml", "torque-sign = ", 'torque-still = ["error", "Nm"]\n'),
-        (ENGLISH, 'msgid "found/torque-unit"', '''\
+        (
+            ENGLISH,
+            'msgid "found/torque-unit"',
+            """\
 msgid "kind/torque-still"
 msgstr "torque that never changes"
 
@@ -123,8 +149,12 @@ msgstr "The torque never changes."
 msgid "advice/torque-still"
 msgstr "Connect the torque sensor, and record again."
 
-'''),
-        ("quality/torque.py", "def limit(", '''\
+""",
+        ),
+        (
+            "quality/torque.py",
+            "def limit(",
+            '''\
 def still(trial: CheckedTrial) -> Iterator[Finding]:
     """A torque that never changes."""
     if trial.torque is None:
@@ -135,12 +165,19 @@ def still(trial: CheckedTrial) -> Iterator[Finding]:
         yield make_finding("torque-still", "torque", span, value)
 
 
-'''),
-        ("quality/registry.py", '    Check(("torque-sign",)',
-         '    Check(("torque-still",), torque.still),\n'),
+''',
+        ),
+        (
+            "quality/registry.py",
+            '    Check(("torque-sign",)',
+            '    Check(("torque-still",), torque.still),\n',
+        ),
     ],
     "a measure": [
-        ("measures/passive.py", "def relaxed_share(", '''\
+        (
+            "measures/passive.py",
+            "def relaxed_share(",
+            '''\
 def slack_span(leg: Leg, _: float) -> float:
     """Angle over which neither muscle pulls.
 
@@ -149,20 +186,31 @@ def slack_span(leg: Leg, _: float) -> float:
     return slack_angle(leg, 0.0, "tri") - slack_angle(leg, 0.0, "tib")
 
 
-'''),
-        ("measures/table.py", '    _D("relaxed_share"',
-         '    _D("slack_span", "deg", passive.slack_span, is_angle=True),\n'),
+''',
+        ),
+        (
+            "measures/table.py",
+            '    _D("relaxed_share"',
+            '    _D("slack_span", "deg", passive.slack_span, is_angle=True),\n',
+        ),
     ],
     "a reason against a fit": [
-        (ENGLISH, 'msgid "against/unchanging"', '''\
+        (
+            ENGLISH,
+            'msgid "against/unchanging"',
+            """\
 msgid "against/brief"
 msgstr "the trial lasts {seconds:.0f} s"
 
 msgid "plainly/brief"
 msgstr "the trial is brief"
 
-'''),
-        ("inference/adequacy.py", "def _unlike(", '''\
+""",
+        ),
+        (
+            "inference/adequacy.py",
+            "def _unlike(",
+            '''\
 def _brief(result: FitResult) -> Iterator[Reason]:
     """What lasts a few seconds shows no relaxation."""
     seconds = sum(own.n / own.rate_hz for own in result.problem.inputs)
@@ -170,20 +218,31 @@ def _brief(result: FitResult) -> Iterator[Reason]:
         yield against("brief", seconds=seconds)
 
 
-'''),
+''',
+        ),
         ("inference/adequacy.py", "        *_unlike(result, odd)", "        *_brief(result),\n"),
     ],
     "a verdict": [
         ("inference/parameter.py", '    FIXED = "fixed"', '    HEARSAY = "hearsay"\n'),
-        ("inference/parameter.py", "    relative = half / abs(value) if value else np.inf", '''\
+        (
+            "inference/parameter.py",
+            "    relative = half / abs(value) if value else np.inf",
+            """\
     if name == "tau_rel":
         return Verdict.HEARSAY, "as somebody said"
-'''),
-        ("base/words.py", '    "fixed": Judgement(',
-         '    "hearsay": Judgement("quiet", N_("hearsay")),\n'),
+""",
+        ),
+        (
+            "base/words.py",
+            '    "fixed": Judgement(',
+            '    "hearsay": Judgement("quiet", N_("hearsay")),\n',
+        ),
     ],
     "a reader": [
-        ("recording/bars.py", "", '''\
+        (
+            "recording/bars.py",
+            "",
+            '''\
 """Columns between bars, the first line ``|bars``; the first column is the time."""
 
 import numpy as np
@@ -214,25 +273,33 @@ def open_table(source):
         }
 
     return Table(source.shown, "bars", tuple(names), time, load)
-'''),
+''',
+        ),
         ("recording/formats.py", "delimited, hdf5", "bars, "),
         ("recording/formats.py", "hdf5, opensim)", "bars, "),
         ("recording/formats.py", '".h5"', '".bars", '),
     ],
     "a protocol": [
-        ("protocol/profiles.py", "#: Slow, with long holds", '''\
+        (
+            "protocol/profiles.py",
+            "#: Slow, with long holds",
+            '''\
 def bow(t: FloatArray) -> FloatArray:
     """Up and down once in 20 s."""
     return smooth_step(t / 8.0) - smooth_step((t - 12.0) / 8.0)
 
 
-'''),
-        ("protocol/profiles.py", '        Profile("sine"',
-         '        Profile("bow", 20.0, bow, "Up and down once."),\n'),
+''',
+        ),
+        (
+            "protocol/profiles.py",
+            '        Profile("sine"',
+            '        Profile("bow", 20.0, bow, "Up and down once."),\n',
+        ),
         ("base/names.py", '    "sine",', '    "bow",\n'),
     ],
     "a setting of a fit": [],  # its field is written in the recipe
-}  # fmt: skip
+}
 
 
 def section(recipe: str) -> str:
@@ -263,8 +330,13 @@ def run(tmp_path_factory):
     def run(*arguments: str) -> str:
         done = subprocess.run(
             [sys.executable, *arguments],
-            env=env, cwd=copy, capture_output=True, text=True, timeout=300, check=False,
-        )  # fmt: skip
+            env=env,
+            cwd=copy,
+            capture_output=True,
+            text=True,
+            timeout=300,
+            check=False,
+        )
         assert done.returncode == 0, done.stderr
         return done.stdout
 

@@ -138,9 +138,17 @@ def test_what_is_no_record_at_all(wrong) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["a=" + 5000 * "[" + 5000 * "]", "a=" + 200 * "[" + 200 * "]", "a=" + 5000 * "9",
-             "a=" + 30 * "9", "a.=", ".".join(40 * "a") + "=1", "a='\x01'"],
-)  # fmt: skip
+    "text",
+    [
+        "a=" + 5000 * "[" + 5000 * "]",
+        "a=" + 200 * "[" + 200 * "]",
+        "a=" + 5000 * "9",
+        "a=" + 30 * "9",
+        "a.=",
+        ".".join(40 * "a") + "=1",
+        "a='\x01'",
+    ],
+)
 def test_toml_without_an_end_is_refused_in_a_line(text, tmp_path) -> None:
     (tmp_path / "a.toml").write_text(text)
     for read in (read_toml, read_joint, read_device):

@@ -52,8 +52,9 @@ def expected() -> dict[str, object]:
 
 
 @pytest.mark.parametrize(
-    "engine", [Engine("threads", 1), Engine("threads", 3), Engine("processes", 2)],
-)  # fmt: skip
+    "engine",
+    [Engine("threads", 1), Engine("threads", 3), Engine("processes", 2)],
+)
 def test_every_engine_gives_the_same_bits(engine, expected) -> None:
     assert all_of(CALLS, engine) == expected
     assert all_of(dict(reversed(CALLS.items())), engine) == expected
@@ -77,8 +78,10 @@ def test_a_call_that_kills_its_workers_dies_alone(expected) -> None:
 def test_the_function_s_own_errors_end_the_run(kind) -> None:
     with pytest.raises(InputError, match=r"^no call \d+$"):
         all_of(CALLS, Engine(kind, 2), "refuse")
-    with pytest.raises(ComputationError if kind == "processes" else LookupError, match="LookupErr"
-                       if kind == "processes" else "no call"):  # fmt: skip
+    with pytest.raises(
+        ComputationError if kind == "processes" else LookupError,
+        match="LookupErr" if kind == "processes" else "no call",
+    ):
         all_of(CALLS, Engine(kind, 2), "fail")
 
 
@@ -116,9 +119,12 @@ def cluster(request, tmp_path, monkeypatch) -> Iterator[tuple[str, list[subproce
         started = []
         for kind in kinds:
             process = subprocess.Popen(
-                [sys.executable, "-m", "dask", *kind], env=settings, cwd=tmp_path,
-                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-            )  # fmt: skip
+                [sys.executable, "-m", "dask", *kind],
+                env=settings,
+                cwd=tmp_path,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+            )
             stack.callback(process.wait)
             stack.callback(process.kill)
             started.append(process)

@@ -21,8 +21,12 @@ def test_settings_in_the_current_folder_are_not_obeyed(tmp_path: Path) -> None:
     (tmp_path / ".numba_config.yaml").write_text("disable_jit: 1\n")
     os.mkfifo(tmp_path / "matplotlibrc")  # who reads it waits for ever
     done = subprocess.run(
-        [sys.executable, "-c", SEEN], cwd=tmp_path, capture_output=True, text=True, timeout=120,
+        [sys.executable, "-c", SEEN],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=120,
         check=False,
-    )  # fmt: skip
+    )
     assert done.returncode == 0, done.stderr
     assert done.stdout.split() == ["0", "True", str(tmp_path)]

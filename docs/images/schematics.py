@@ -24,8 +24,11 @@ def canvas(width: float, height: float) -> tuple[Figure, Axes]:
 
 def box(axes: Axes, x: float, y: float, text: str, w: float = 15, h: float = 6) -> None:
     """A box with text about a point."""
-    axes.add_patch(FancyBboxPatch((x - w / 2, y - h / 2), w, h, "round,pad=0,rounding_size=0.8",
-                                  fc=PALE, ec=BLUE, lw=1))  # fmt: skip
+    axes.add_patch(
+        FancyBboxPatch(
+            (x - w / 2, y - h / 2), w, h, "round,pad=0,rounding_size=0.8", fc=PALE, ec=BLUE, lw=1
+        )
+    )
     axes.text(x, y, text, ha="center", va="center", fontsize=7.5, color=INK, linespacing=1.3)
 
 

@@ -110,9 +110,13 @@ def test_what_is_wrong_is_wrong_and_the_rest_is_not(wrong: str) -> None:
         or not np.allclose(right.files[name]["emg_sol_V"], off.files[name]["emg_sol_V"], atol=1e-6)
     }
     expected = {
-        "tare": {"empty"}, "alone": {"alone"}, "passive": {"slow"}, "geometry": set(),
-        "zero": {"slow", "alone"}, "axis": {"slow", "alone"},
-    }[wrong]  # fmt: skip
+        "tare": {"empty"},
+        "alone": {"alone"},
+        "passive": {"slow"},
+        "geometry": set(),
+        "zero": {"slow", "alone"},
+        "axis": {"slow", "alone"},
+    }[wrong]
     assert changed <= expected
     assert changed or wrong == "geometry"
     assert laboratory.session_toml(right) == laboratory.session_toml(off)

@@ -49,116 +49,176 @@ class FitSettings(Request):
     """
 
     model: str = setting(
-        names.AUTO, '``"auto"``: muscles on compliant tendons with the imperfections of a '
+        names.AUTO,
+        '``"auto"``: muscles on compliant tendons with the imperfections of a '
         "laboratory, and the departures of real legs that the data ask for. Or the name of one "
-        "model; `surae.model.MODELS` lists them.", type="str", choices=names.FITTED, metavar="M",
+        "model; `surae.model.MODELS` lists them.",
+        type="str",
+        choices=names.FITTED,
+        metavar="M",
         help=f"auto: what the data support; or {listed(names.FITTED[1:], 'or')}.",
-        label=N_("Model"), first=True,
-    )  # fmt: skip
+        label=N_("Model"),
+        first=True,
+    )
     options: ModelOptions = setting(
         ModelOptions, "Switches of the model, all at once; each is a keyword of its own too."
     )
     fixed: Mapping[str, float] = setting(
-        FrozenDict, 'Parameters that are not estimated, e.g. ``{"beta": 1.0}``.',
-        metavar="VALUE", example="beta=1", help="Do not estimate a parameter.",
-    )  # fmt: skip
+        FrozenDict,
+        'Parameters that are not estimated, e.g. ``{"beta": 1.0}``.',
+        metavar="VALUE",
+        example="beta=1",
+        help="Do not estimate a parameter.",
+    )
     free: tuple[str, ...] = setting(
-        (), "Parameters to estimate beside those that the model frees by itself; ``\"reflex\"`` "
-        "stands for all of the reflex.", type="sequence of str", metavar="NAME",
+        (),
+        'Parameters to estimate beside those that the model frees by itself; ``"reflex"`` '
+        "stands for all of the reflex.",
+        type="sequence of str",
+        metavar="NAME",
         help="Estimate one that is fixed; "
         f"{'; '.join(f'{drive}: {words}' for drive, words in names.DRIVES.items())}.",
-    )  # fmt: skip
+    )
     start: Mapping[str, float] = setting(
-        FrozenDict, "Where the first start begins, instead of the defaults.",
-        metavar="VALUE", example="beta=1", help="Start the search of a parameter elsewhere.",
-    )  # fmt: skip
+        FrozenDict,
+        "Where the first start begins, instead of the defaults.",
+        metavar="VALUE",
+        example="beta=1",
+        help="Start the search of a parameter elsewhere.",
+    )
     bounds: Mapping[str, tuple[float, float]] = setting(
-        FrozenDict, "Bounds instead of the defaults.", type="mapping of str to (lower, upper)",
-        option="bound", metavar="LOWER:UPPER", example="m=1:4",
+        FrozenDict,
+        "Bounds instead of the defaults.",
+        type="mapping of str to (lower, upper)",
+        option="bound",
+        metavar="LOWER:UPPER",
+        example="m=1:4",
         help="Search a parameter within other bounds.",
-    )  # fmt: skip
+    )
     priors: Mapping[str, tuple[float, float]] = setting(
-        FrozenDict, "The prior of a parameter: its median, and the standard deviation "
-        "of its logarithm (about its relative standard deviation), e.g. ``{\"dlt_tib\": (0.04, "
+        FrozenDict,
+        "The prior of a parameter: its median, and the standard deviation "
+        'of its logarithm (about its relative standard deviation), e.g. ``{"dlt_tib": (0.04, '
         '0.2)}``. As a keyword also the name of a population, or both as a pair: ``("healthy", '
-        '{"tau_rel": (2.0, 0.5)})``.', type="mapping of str to (median, spread)", above=0.0,
-        option="prior", metavar="MEDIAN:SPREAD", example="tau_rel=3:0.3",
+        '{"tau_rel": (2.0, 0.5)})``.',
+        type="mapping of str to (median, spread)",
+        above=0.0,
+        option="prior",
+        metavar="MEDIAN:SPREAD",
+        example="tau_rel=3:0.3",
         help="Prior of a parameter; SPREAD is its relative standard deviation.",
-    )  # fmt: skip
+    )
     population: str | None = setting(
-        None, "Whose default priors stand for the parameters that `priors` does not name.",
-        choices=names.POPULATIONS, option="priors",
-        help="Priors of a population; --prior takes precedence.", label=N_("Priors"),
-        words={"": N_("none"), "healthy": N_("healthy population"),
-        "patient": N_("patient population")}, first=True,
-    )  # fmt: skip
+        None,
+        "Whose default priors stand for the parameters that `priors` does not name.",
+        choices=names.POPULATIONS,
+        option="priors",
+        help="Priors of a population; --prior takes precedence.",
+        label=N_("Priors"),
+        words={
+            "": N_("none"),
+            "healthy": N_("healthy population"),
+            "patient": N_("patient population"),
+        },
+        first=True,
+    )
     weights: "Weighting | tuple[Weighting, ...] | None" = setting(
-        None, "What samples count, for all recordings or one for each, e.g. "
+        None,
+        "What samples count, for all recordings or one for each, e.g. "
         "``Weighting(peaks=9)``; windows of weight 0 are left out.",
         type="Weighting, sequence of Weighting, or None",
-    )  # fmt: skip
+    )
     loss: str | None = setting(
-        None, "Let outliers count less than their square; see `surae.inference.fit_robust`.",
-        choices=names.LOSSES, help="How outliers count.  [default: squares]", label=N_("Outliers"),
+        None,
+        "Let outliers count less than their square; see `surae.inference.fit_robust`.",
+        choices=names.LOSSES,
+        help="How outliers count.  [default: squares]",
+        label=N_("Outliers"),
         words={"": N_("count fully"), "huber": "Huber", "soft-l1": N_("soft L1"), "tukey": "Tukey"},
         first=True,
-    )  # fmt: skip
+    )
     normalise: str | None = setting(
-        None, "Divide EMG by one number for each muscle, so that weights g come out in N: by the "
+        None,
+        "Divide EMG by one number for each muscle, so that weights g come out in N: by the "
         "largest envelope of all recordings, or of `mvc`. `validate` and `Fit.predict` use it "
-        "again.", choices=names.NORMALISATIONS, label=N_("Divide EMG by"),
+        "again.",
+        choices=names.NORMALISATIONS,
+        label=N_("Divide EMG by"),
         help="Divide EMG by the largest of all recordings, or of --mvc; g come out in N.",
-        words={"": N_("nothing"), "session": N_("the session's largest"),
-        "mvc": N_("the contractions' largest")},
-    )  # fmt: skip
+        words={
+            "": N_("nothing"),
+            "session": N_("the session's largest"),
+            "mvc": N_("the contractions' largest"),
+        },
+    )
     prepared: bool = setting(
-        False, "Whether the signals are used as they are: filtered and at the model's rate "
-        "already.", help="Use the signals as they are, without filters.", label=N_("Signals"),
+        False,
+        "Whether the signals are used as they are: filtered and at the model's rate already.",
+        help="Use the signals as they are, without filters.",
+        label=N_("Signals"),
         words={"": N_("filter and resample"), "yes": N_("use as they are")},
-    )  # fmt: skip
+    )
     preparation: Mapping[str, Any] = setting(
-        FrozenDict, 'Settings that differ from those of `surae.Preparation`, e.g. ``{"bessel_hz": '
+        FrozenDict,
+        'Settings that differ from those of `surae.Preparation`, e.g. ``{"bessel_hz": '
         "10.0}``; False switches a filter off. What a recording says itself goes before.",
-        option="filter", metavar="VALUE",
+        option="filter",
+        metavar="VALUE",
         help="A setting of the preparation, e.g. bessel_hz=10; false: without it.",
-    )  # fmt: skip
+    )
     nuisances: str | Mapping[str, tuple[float, float]] = setting(
-        names.NUISANCES[0], 'What the laboratory cannot rule out, for ``model="auto"``; a mapping '
+        names.NUISANCES[0],
+        'What the laboratory cannot rule out, for ``model="auto"``; a mapping '
         "gives other priors, mean and standard deviation, of groups or parameters, e.g. "
-        '``{"zero": (0.0, 1.0)}``.', type='{"all", "none"} or mapping of str to (mean, sd)',
-        choices=names.NUISANCES, needs=f"model={names.AUTO}", first=True,
+        '``{"zero": (0.0, 1.0)}``.',
+        type='{"all", "none"} or mapping of str to (mean, sd)',
+        choices=names.NUISANCES,
+        needs=f"model={names.AUTO}",
+        first=True,
         help="Imperfections of the laboratory that auto takes in.",
         label=N_("Account for the laboratory’s imperfections"),
         words={"all": N_("yes"), "none": N_("no")},
-    )  # fmt: skip
+    )
     starts: int = setting(
-        STARTS, "Number of starts; the first from the default, the others random within the "
-        "bounds.", least=1, most=_MOST_STARTS, help="Number of starts of a fit.",
+        STARTS,
+        "Number of starts; the first from the default, the others random within the bounds.",
+        least=1,
+        most=_MOST_STARTS,
+        help="Number of starts of a fit.",
         label=N_("Starts"),
-    )  # fmt: skip
+    )
     seed: int = setting(0, "Seed of the random starts.", least=0, label=N_("Seed"))
     geometry_of: str = setting(
-        names.GEOMETRY_OF[0], "Whose the table of `geometry` is: with the person's own, `auto` "
-        "holds moment arms and muscle lengths closer to it.", choices=names.GEOMETRY_OF,
+        names.GEOMETRY_OF[0],
+        "Whose the table of `geometry` is: with the person's own, `auto` "
+        "holds moment arms and muscle lengths closer to it.",
+        choices=names.GEOMETRY_OF,
         needs=f"model={names.AUTO}",
         help="Whose geometry the file has; auto departs less from the person's own.",
-        label=N_("The geometry’s file is"), words={"generic": N_("of a generic model"),
-        "person": N_("of this person")},
-    )  # fmt: skip
+        label=N_("The geometry’s file is"),
+        words={"generic": N_("of a generic model"), "person": N_("of this person")},
+    )
     angle_zero_sd: float | None = setting(
-        None, "How far the angle's zero may be from the ankle's [deg], foot perpendicular to "
+        None,
+        "How far the angle's zero may be from the ankle's [deg], foot perpendicular to "
         "shank, one standard deviation: every measure at a stated angle has it in its interval. By "
-        "default 2.5, or 0 where `angle_zero` is given.", least=0.0, most=20.0, metavar="DEG",
+        "default 2.5, or 0 where `angle_zero` is given.",
+        least=0.0,
+        most=20.0,
+        metavar="DEG",
         help="How far the angle's zero may be off, one standard deviation.  [default: 2.5]",
         label=N_("Zero of the angle ± [°]"),
-    )  # fmt: skip
+    )
 
     knowledge: Knowledge | None = setting(
-        None, "What was measured of leg and device beforehand, which becomes priors, the zero's "
+        None,
+        "What was measured of leg and device beforehand, which becomes priors, the zero's "
         "standard deviation and a geometry where these are not given: a ``session.toml``.",
-        type="path or Knowledge, or None", file=True, needs=f"model={names.AUTO}",
+        type="path or Knowledge, or None",
+        file=True,
+        needs=f"model={names.AUTO}",
         help="Leg and device as measured beforehand: a session.toml, with what its files show.",
-    )  # fmt: skip
+    )
 
     def __post_init__(self) -> None:
         """Freeze what was given, and refuse what no model could mean."""
@@ -223,7 +283,8 @@ class FitSettings(Request):
         if self.angle_zero_sd is not None:
             return self.angle_zero_sd
         if self.stated_zero is not None and self.knowledge is not None:
-            sd, tilt = self.stated_zero[1], self.knowledge.tilt_deg(self.options.anatomy.distance)
+            sd = self.stated_zero[1]
+            tilt = self.knowledge.tilt_deg(self.options.anatomy.distance)
             return max(sd, min(math.hypot(sd, tilt), _ZERO))
         return 0.0 if "angle_zero" in self.fixed else _ZERO
 
@@ -353,5 +414,6 @@ def _priors_of(given: Any) -> dict[str, Any]:
     """The fields that the keyword `priors` of `surae.fit` stands for."""
     population, known = given if isinstance(given, tuple) else (None, given)
     if isinstance(known, str):
-        population, known = known, {}
+        population = known
+        known = {}
     return {"priors": known or {}} | ({} if population is None else {"population": population})

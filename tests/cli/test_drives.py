@@ -12,9 +12,17 @@ from .test_simulate import columns, simulate
 
 def fit(run, *arguments: object):
     return run(
-        "fit", "--model", "muscle", "trial.csv", "--prepared", "--starts", "1", "--output",
-        "f.json", *arguments,
-    )  # fmt: skip
+        "fit",
+        "--model",
+        "muscle",
+        "trial.csv",
+        "--prepared",
+        "--starts",
+        "1",
+        "--output",
+        "f.json",
+        *arguments,
+    )
 
 
 def found(files) -> dict:

@@ -23,6 +23,8 @@ def test_a_folder_of_trials_is_a_leg_of_holds_and_movements(tmp_path) -> None:
     trials = surae.session(files).trials
     assert sum(trial.use == "hold" for trial in trials) == 4
     assert sorted(trial.effort for trial in trials if trial.use == "fit") == [
-        "active", "active", "passive",
-    ]  # fmt: skip
+        "active",
+        "active",
+        "passive",
+    ]
     assert not any(trial.problem for trial in trials)

@@ -146,9 +146,16 @@ def test_odd_names_are_shown_as_they_are(run, files) -> None:
     odd = files / "[red]x[!b] é 你.csv"
     (files / "trial.csv").rename(odd)
     done = run(
-        "fit", "--model", "muscle", odd.name, "--prepared", "--starts", "1", "--output",
+        "fit",
+        "--model",
+        "muscle",
+        odd.name,
+        "--prepared",
+        "--starts",
+        "1",
+        "--output",
         "[b]\nx.json",
-    )  # fmt: skip
+    )
     assert done.code == 0
     assert f"{odd.stem}: VAF" in done.out
     assert "fit: [b] x.json\n" in done.out

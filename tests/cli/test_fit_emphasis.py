@@ -18,10 +18,24 @@ QUICK = ("--prepared", "--starts", "1", "--output", "out.json")
 
 def test_windows_peaks_and_loss_are_those_of_the_api(run, files) -> None:
     done = run(
-        "fit", "--model", "muscle", "trial.csv", *QUICK, "--exclude", "30:", "--exclude", ":1",
-            "--weight", "3:4:2",
-        "--weight-peaks", "4", "--peaks-of", "emg", "--loss", "huber",
-    )  # fmt: skip
+        "fit",
+        "--model",
+        "muscle",
+        "trial.csv",
+        *QUICK,
+        "--exclude",
+        "30:",
+        "--exclude",
+        ":1",
+        "--weight",
+        "3:4:2",
+        "--weight-peaks",
+        "4",
+        "--peaks-of",
+        "emg",
+        "--loss",
+        "huber",
+    )
     assert done.code == 0, done
     assert "Weights: 30 … the end left out of the fit." in done.out
     assert "Weights: a peak of the EMG counts 5 times as much as rest." in done.out
@@ -52,9 +66,12 @@ def test_priors_of_a_population_and_given_ones(run, files) -> None:
     assert priors["f0"] == {"median": 2.0, "spread": 0.1}
     assert priors["l0_tri"] == {"median": 0.0378, "spread": 0.2}
     fit_again = surae.fit(
-        files / "trial.csv", "muscle", prepared=True, starts=1,
+        files / "trial.csv",
+        "muscle",
+        prepared=True,
+        starts=1,
         priors=("patient", {"f0": (2.0, 0.1)}),
-    )  # fmt: skip
+    )
     assert fit_again.values["m"] == fitted(files)["parameters"]["m"]["value"]
     alone = surae.fit(files / "trial.csv", "muscle", prepared=True, starts=1, priors="patient")
     assert alone.result.problem.priors["f0"].median == 1.96

@@ -68,9 +68,16 @@ def test_several_files_make_one_mapping_that_fits(files, run):
         sign=("sign = 1  # check: 1 if it is positive when", "sign = -1  # it is negative when"),
     )
     done = run(
-        "fit", "--model", "muscle", "map.toml", "--prepared", "--starts", "2", "--output",
+        "fit",
+        "--model",
+        "muscle",
+        "map.toml",
+        "--prepared",
+        "--starts",
+        "2",
+        "--output",
         "again.json",
-    )  # fmt: skip
+    )
     assert done.code == 0, done
     again, first = load("again.json"), load("fit.json")
     for name, value in first.values.items():
@@ -109,9 +116,16 @@ def test_the_dynamometers_passive_and_active_trials(shared, run, tmp_path):
         assert toml["fixed"] == {"g2": 0.0, "g3": 0.0, "g4": 0.0}
         assert ("offset" in toml["channels"]["emg_ta"]) == (name == "Pas_Sho2Long")
     done = run(
-        "fit", "--model", "muscle", "Pas_Sho2Long.toml", "PL_50_01.toml", "--starts", "1",
-        "--output", "f.json",
-    )  # fmt: skip
+        "fit",
+        "--model",
+        "muscle",
+        "Pas_Sho2Long.toml",
+        "PL_50_01.toml",
+        "--starts",
+        "1",
+        "--output",
+        "f.json",
+    )
     assert done.code == 0, done
     fit = load("f.json")
     vaf = {recording.name: recording.vaf for recording in fit.assessment.recordings}
@@ -128,9 +142,17 @@ def test_the_wrong_direction_does_not_fit_the_passive_trial(shared, run, tmp_pat
     settled(tmp_path / "m.toml", sign=(marks[right], marks[right].replace("= 1 ", "= -1 ")))
     # Without g1 = 0 the amplifier's noise, rectified, would stand in for a constant force.
     done = run(
-        "fit", "--model", "muscle", "m.toml", "--fixed", "g1=0", "--starts", "2", "--output",
+        "fit",
+        "--model",
+        "muscle",
+        "m.toml",
+        "--fixed",
+        "g1=0",
+        "--starts",
+        "2",
+        "--output",
         "f.json",
-    )  # fmt: skip
+    )
     assert done.code == 0, done
     assert load("f.json").vaf < 70.0
 

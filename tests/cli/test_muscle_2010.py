@@ -9,9 +9,17 @@ import surae
 from .conftest import refused
 
 TRUTH = {
-    "m": 2.1, "k_tri": 200.0, "x0_tri": 0.017, "e1": 5e5, "e2": 9e5, "e3": 1.3e6, "e4": 1e6,
-    "f": 2.0, "b_tri": 800.0, "F0": -12.0,
-}  # fmt: skip
+    "m": 2.1,
+    "k_tri": 200.0,
+    "x0_tri": 0.017,
+    "e1": 5e5,
+    "e2": 9e5,
+    "e3": 1.3e6,
+    "e4": 1e6,
+    "f": 2.0,
+    "b_tri": 800.0,
+    "F0": -12.0,
+}
 MODEL = ("--model", "muscle-2010")
 
 

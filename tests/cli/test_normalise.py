@@ -23,9 +23,19 @@ def half(edit):
 
 
 def test_a_session(files, run, half):
-    done = run("fit", "--model", "muscle", "trial.csv", "--prepared", "--normalise", "session",
-        "--starts", "2",
-               "--output", "n.json")  # fmt: skip
+    done = run(
+        "fit",
+        "--model",
+        "muscle",
+        "trial.csv",
+        "--prepared",
+        "--normalise",
+        "session",
+        "--starts",
+        "2",
+        "--output",
+        "n.json",
+    )
     assert done.code == 0, done
     assert "EMG normalised: divided by the session's largest envelope (of 1 recording" in done.out
     content = json.loads((files / "n.json").read_text(encoding="utf-8"))
@@ -48,8 +58,21 @@ def test_a_session(files, run, half):
 
 
 def test_maximum_contractions(files, run, half):
-    done = run("fit", "--model", "muscle", "half.csv", "--prepared", "--normalise", "mvc",
-               "--mvc", "trial.csv", "--starts", "1", "--output", "n.json")  # fmt: skip
+    done = run(
+        "fit",
+        "--model",
+        "muscle",
+        "half.csv",
+        "--prepared",
+        "--normalise",
+        "mvc",
+        "--mvc",
+        "trial.csv",
+        "--starts",
+        "1",
+        "--output",
+        "n.json",
+    )
     assert done.code == 0, done
     reference = load("n.json").result.problem.inputs[0].emg_reference
     assert reference.kind == "mvc"

@@ -10,8 +10,7 @@ FEW = ("--draws", 60, "--evaluations", 700)
 
 
 def test_the_posterior_beside_the_covariance(run, files) -> None:
-    done = run("posterior", "fit.json", *FEW, "--seed", 3,
-               "--output", "posterior.json")  # fmt: skip
+    done = run("posterior", "fit.json", *FEW, "--seed", 3, "--output", "posterior.json")
     content = json.loads((files / "posterior.json").read_text(encoding="utf-8"))
     assert (done.code, bool(done.err)) == (
         (0, False) if content["status"] == "reliable" else (1, True)

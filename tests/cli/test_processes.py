@@ -27,16 +27,26 @@ pytestmark = pytest.mark.skipif(not SURAE.exists(), reason="no surae command bes
 
 def run(*arguments: str, folder: Path, **options: Any) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [SURAE, *arguments], check=False, cwd=folder, stderr=subprocess.PIPE, text=True,
-        timeout=PATIENCE, **options,
-    )  # fmt: skip
+        [SURAE, *arguments],
+        check=False,
+        cwd=folder,
+        stderr=subprocess.PIPE,
+        text=True,
+        timeout=PATIENCE,
+        **options,
+    )
 
 
 def shell(script: str, folder: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        ["bash", "-c", f"set -o pipefail; {script}"], cwd=folder, capture_output=True, text=True,
-        check=False, timeout=PATIENCE, env=os.environ | {"SURAE": str(SURAE)},
-    )  # fmt: skip
+        ["bash", "-c", f"set -o pipefail; {script}"],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=PATIENCE,
+        env=os.environ | {"SURAE": str(SURAE)},
+    )
 
 
 @pytest.mark.slow
@@ -127,13 +137,25 @@ def _end(process: "subprocess.Popen[bytes]", screen: int) -> int:
 def test_a_terminal_shows_how_far_the_fit_is_and_ctrl_c_keeps_the_best(files) -> None:
     screen, terminal = pty.openpty()
     arguments = [
-        "fit", "--model", "muscle", "trial.csv", "--prepared", "--starts", "10000", "--output",
+        "fit",
+        "--model",
+        "muscle",
+        "trial.csv",
+        "--prepared",
+        "--starts",
+        "10000",
+        "--output",
         "f.json",
-    ]  # fmt: skip
+    ]
     with subprocess.Popen(
-        [SURAE, *arguments], cwd=files, stdout=subprocess.PIPE, stderr=terminal, stdin=terminal,
-        text=True, env=os.environ | {"TERM": "xterm", "COLUMNS": "80"},
-    ) as process:  # fmt: skip
+        [SURAE, *arguments],
+        cwd=files,
+        stdout=subprocess.PIPE,
+        stderr=terminal,
+        stdin=terminal,
+        text=True,
+        env=os.environ | {"TERM": "xterm", "COLUMNS": "80"},
+    ) as process:
         os.close(terminal)
         try:
             _until(screen, r"fitting: start \d+ of 10000 .+ left \d+:\d\d:\d\d")
@@ -159,9 +181,12 @@ def test_a_terminal_shows_how_far_the_fit_is_and_ctrl_c_keeps_the_best(files) ->
 def test_a_terminal_shows_what_is_being_done(files, arguments, shows) -> None:
     screen, terminal = pty.openpty()
     with subprocess.Popen(
-        [SURAE, *arguments], cwd=files, stdout=subprocess.DEVNULL, stderr=terminal,
+        [SURAE, *arguments],
+        cwd=files,
+        stdout=subprocess.DEVNULL,
+        stderr=terminal,
         env=os.environ | {"TERM": "xterm", "COLUMNS": "80"},
-    ) as process:  # fmt: skip
+    ) as process:
         os.close(terminal)
         try:
             _until(screen, shows)
@@ -176,7 +201,11 @@ def test_the_contract(shared) -> None:
     if not CONTRACT.exists():
         pytest.skip("no contract check: the folder ../shared/checks is not beside the repository")
     done = subprocess.run(
-        [sys.executable, CONTRACT], capture_output=True, check=False, text=True, timeout=600,
+        [sys.executable, CONTRACT],
+        capture_output=True,
+        check=False,
+        text=True,
+        timeout=600,
         env=os.environ | {"SURAE": str(SURAE)},
-    )  # fmt: skip
+    )
     assert (done.returncode, done.stdout) == (0, "contract: all agree\n")

@@ -29,10 +29,27 @@ def table(path: Path) -> np.ndarray:
 
 def test_all_settings_reach_the_protocol(run, tmp_path) -> None:
     done = run(
-        "protocol", "multi-sine-holds", "--task", "active", "--chirp-amplitude", "0.1",
-        "--chirp-rate", "0.3", "--range", "-0.7:0.4", "--duration", "20", "--rate", "128",
-        "--device", "none", "--without-limits", "simulation", "--output", "p.csv",
-    )  # fmt: skip
+        "protocol",
+        "multi-sine-holds",
+        "--task",
+        "active",
+        "--chirp-amplitude",
+        "0.1",
+        "--chirp-rate",
+        "0.3",
+        "--range",
+        "-0.7:0.4",
+        "--duration",
+        "20",
+        "--rate",
+        "128",
+        "--device",
+        "none",
+        "--without-limits",
+        "simulation",
+        "--output",
+        "p.csv",
+    )
     assert (done.code, done.err) == (0, "")
     made = generate(
         Protocol(
@@ -53,9 +70,15 @@ def test_all_settings_reach_the_protocol(run, tmp_path) -> None:
 
 def test_the_table_tells_what_was_adapted(run) -> None:
     done = run(
-        "protocol", "multiple-holds", "--chirp-amplitude", "0.2", "--device", "achilles",
-        "--output", "p.csv",
-    )  # fmt: skip
+        "protocol",
+        "multiple-holds",
+        "--chirp-amplitude",
+        "0.2",
+        "--device",
+        "achilles",
+        "--output",
+        "p.csv",
+    )
     lines = done.out.splitlines()
     assert lines[0] == "multiple-holds, part-passive"
     said = {line[:19].strip(): line[19:] for line in lines[2:] if line}
@@ -136,8 +159,12 @@ def test_a_designed_protocol_is_drawn_and_takes_no_settings_of_profiles(run, tmp
     assert done.out.endswith("protocol: p.csv\nfigure: p.SVG\n")
     assert (tmp_path / "p.SVG").read_bytes().startswith(b"<?xml")
     (tmp_path / "p.csv").unlink()
-    for option in (["--duration", "30"], ["--task", "active"], ["--chirp-amplitude", "0.1"],
-                   ["--no-adapt"]):  # fmt: skip
+    for option in (
+        ["--duration", "30"],
+        ["--task", "active"],
+        ["--chirp-amplitude", "0.1"],
+        ["--no-adapt"],
+    ):
         refused(run("protocol", "passive-20", *option, "--output", "p.csv"), option[0], "designed")
     assert not (tmp_path / "p.csv").exists()
 

@@ -12,9 +12,15 @@ def rule(value: float) -> Ruling:
 
 
 CLAIM = Claim(
-    id="rises", source="3.1", statement="It rises.", number="2", says="It rose.", rule="Above 1.",
-    ours=rule, why="The seed is small.",
-)  # fmt: skip
+    id="rises",
+    source="3.1",
+    statement="It rises.",
+    number="2",
+    says="It rose.",
+    rule="Above 1.",
+    ours=rule,
+    why="The seed is small.",
+)
 
 
 def small(context: Context) -> Result:

@@ -49,9 +49,17 @@ def test_the_torque_is_that_of_the_api_and_near_the_measured(run, files) -> None
 def test_a_fit_brings_its_model_and_options(run, files) -> None:
     options = ("--geometry", "virtual-work", "--theta-foot", "0.1")
     fitted = run(
-        "fit", "--model", "muscle", "trial.csv", "--prepared", "--starts", "1", "--output",
-        "vw.json", *options,
-    )  # fmt: skip
+        "fit",
+        "--model",
+        "muscle",
+        "trial.csv",
+        "--prepared",
+        "--starts",
+        "1",
+        "--output",
+        "vw.json",
+        *options,
+    )
     assert fitted.code in (0, 1)
     assert simulate(run, "--parameters", "vw.json").code == 0
     fit = surae.load(files / "vw.json")

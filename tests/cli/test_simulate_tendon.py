@@ -9,9 +9,15 @@ from .conftest import refused
 from .test_simulate import PARTS, columns, simulate
 
 STATES = (
-    "muscle_length", "muscle_velocity", "tendon_length", "tendon_elongation", "tendon_velocity",
-    "tendon_force", "tissue_force", "active_force",
-)  # fmt: skip
+    "muscle_length",
+    "muscle_velocity",
+    "tendon_length",
+    "tendon_elongation",
+    "tendon_velocity",
+    "tendon_force",
+    "tissue_force",
+    "active_force",
+)
 
 
 @pytest.fixture
@@ -38,8 +44,13 @@ def test_the_output_reads_back_and_simulates_the_same(run, files) -> None:
     assert simulate(run, *given).code == 0
     recording = surae.read(files / "out.csv")
     assert {*recording.channels} == {
-        "angle", "torque", "emg_ta", "emg_gl", "emg_sol", "emg_gm",
-    }  # fmt: skip
+        "angle",
+        "torque",
+        "emg_ta",
+        "emg_gl",
+        "emg_sol",
+        "emg_gm",
+    }
     done = run("simulate", "out.csv", "--output", "again.csv", *given)
     assert done.code == 0
     first, again = columns(files / "out.csv"), columns(files / "again.csv")

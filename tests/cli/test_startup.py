@@ -21,27 +21,39 @@ def imported(*commands: list[str], folder=None) -> set[str]:
         "print(json.dumps(sorted(sys.modules)), file=sys.__stderr__)\n"
     )
     done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, check=False, text=True, timeout=300,
+        [sys.executable, "-c", code],
+        capture_output=True,
+        check=False,
+        text=True,
+        timeout=300,
         cwd=folder,
-    )  # fmt: skip
+    )
     return {name.split(".")[0] for name in json.loads(done.stderr.splitlines()[-1])}
 
 
 def test_help_and_wrong_use_import_no_library_that_computes() -> None:
     commands = (
-        ["--help"], ["--version"], ["fit", "--model", "muscle", "--help"], ["simulate", "-h"],
-        ["validate", "-h"], ["demo", "-h"], ["protocol", "--help"], ["nonsense"], ["fit"],
+        ["--help"],
+        ["--version"],
+        ["fit", "--model", "muscle", "--help"],
+        ["simulate", "-h"],
+        ["validate", "-h"],
+        ["demo", "-h"],
+        ["protocol", "--help"],
+        ["nonsense"],
+        ["fit"],
         ["fit", "--model", "muscle", "a.csv", "--fixed", "m"],
-    )  # fmt: skip
+    )
     assert imported(*commands) & (COMPUTING | {"numpy", "rich"}) == set()
 
 
 def test_what_is_wrong_is_found_before_numba_is_imported(tmp_path) -> None:
     commands = (
-        ["fit", "--model", "muscle", "none.csv"], ["validate", "f.json", "none.csv"],
+        ["fit", "--model", "muscle", "none.csv"],
+        ["validate", "f.json", "none.csv"],
         ["simulate", "none.csv", "--parameters", "p", "--output", "o"],
         ["protocol", "sine", "--output", "p.txt"],
-    )  # fmt: skip
+    )
     assert imported(*commands, folder=tmp_path) & COMPUTING == set()
 
 

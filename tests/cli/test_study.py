@@ -47,8 +47,11 @@ def study(tmp_path) -> Path:
 def start(folder: Path, *more: str, store: str = "s.db") -> "subprocess.Popen[str]":
     return subprocess.Popen(
         [sys.executable, "-m", "surae", "study", "run", "study.toml", "--store", store, *more],
-        cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
 
 
 def finish(folder: Path, *more: str, store: str = "s.db") -> "subprocess.CompletedProcess[str]":
@@ -209,8 +212,12 @@ def test_status_tells_of_a_run_at_work_and_a_second_run_is_refused(study, undist
             assert f"s.db is in use by another run (process {process.pid} on" in second.stderr
             status = subprocess.run(
                 [sys.executable, "-m", "surae", "study", "status", "s.db"],
-                cwd=study, check=True, capture_output=True, text=True, timeout=PATIENCE,
-            )  # fmt: skip
+                cwd=study,
+                check=True,
+                capture_output=True,
+                text=True,
+                timeout=PATIENCE,
+            )
             assert f"(process {process.pid} on " in status.stdout
             process.send_signal(signal.SIGINT)
             out, err = process.communicate(timeout=PATIENCE)
@@ -311,9 +318,11 @@ def small_disk(folder: Path, size: str) -> Iterator[Path]:
     disk = folder / "disk"
     disk.mkdir()
     done = subprocess.run(
-        ["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", disk], check=False,
-        capture_output=True, text=True,
-    )  # fmt: skip
+        ["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", disk],
+        check=False,
+        capture_output=True,
+        text=True,
+    )
     if done.returncode:
         pytest.skip(f"no small disk can be mounted: {done.stderr.strip()}")
     try:

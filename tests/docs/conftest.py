@@ -20,9 +20,14 @@ from surae.studies import virtual_subject, virtual_trial
 
 #: Headings of a laboratory's own, for `surae inspect`.
 _LAB = {
-    "time_s": "Time (s)", "angle_rad": "Ankle Angle (deg)", "torque_Nm": "Ankle Torque (Nm)",
-    "emg_ta_V": "TA (mV)", "emg_gl_V": "GL (mV)", "emg_sol_V": "SOL (mV)", "emg_gm_V": "GM (mV)",
-}  # fmt: skip
+    "time_s": "Time (s)",
+    "angle_rad": "Ankle Angle (deg)",
+    "torque_Nm": "Ankle Torque (Nm)",
+    "emg_ta_V": "TA (mV)",
+    "emg_gl_V": "GL (mV)",
+    "emg_sol_V": "SOL (mV)",
+    "emg_gm_V": "GM (mV)",
+}
 #: What their units are, seen from ours.
 _TO_LAB = {"angle_rad": 180.0 / np.pi} | {f"emg_{muscle}_V": 1e3 for muscle in MUSCLES}
 _STUDY = """
@@ -86,9 +91,13 @@ def prepared(tmp_path_factory) -> Path:
     for name, speeds in {"slow": (10.0, 10.0), "fast": (120.0, 120.0)}.items():
         write_csv(folder / f"{name}.csv", csv_columns(ramps(speeds, neural=6.0, rate=200.0)))
     for name, source in {
-        "a": "trial", "b": "other", "trial1": "trial", "trial2": "other", "mvc": "other",
+        "a": "trial",
+        "b": "other",
+        "trial1": "trial",
+        "trial2": "other",
+        "mvc": "other",
         "in": "trial",
-    }.items():  # fmt: skip
+    }.items():
         shutil.copy(folder / f"{source}.csv", folder / f"{name}.csv")
     (folder / "trials").mkdir()
     for name in trials:

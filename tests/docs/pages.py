@@ -8,11 +8,16 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 #: Made at every build, of docstrings and examples that have tests of their own.
 _MADE = (
-    "docs/_build", "docs/gallery", "docs/api/generated", "docs/models/parameters-",
-    "docs/how-to/mapping-table", "docs/how-to/quality-codes", "docs/methods/prior-table",
+    "docs/_build",
+    "docs/gallery",
+    "docs/api/generated",
+    "docs/models/parameters-",
+    "docs/how-to/mapping-table",
+    "docs/how-to/quality-codes",
+    "docs/methods/prior-table",
     "docs/methods/source-table",
     "docs/reproduction-table",
-)  # fmt: skip
+)
 PAGES = tuple(
     sorted(
         path.relative_to(ROOT).as_posix()

@@ -11,11 +11,28 @@ TEXT = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 #: Keys at the top of version 1.2.0 of the Citation File Format, and those that it requires.
 KNOWN = {
-    "abstract", "authors", "cff-version", "commit", "contact", "date-released", "doi",
-    "identifiers", "keywords", "license", "license-url", "message", "preferred-citation",
-    "references", "repository", "repository-artifact", "repository-code", "title", "type", "url",
+    "abstract",
+    "authors",
+    "cff-version",
+    "commit",
+    "contact",
+    "date-released",
+    "doi",
+    "identifiers",
+    "keywords",
+    "license",
+    "license-url",
+    "message",
+    "preferred-citation",
+    "references",
+    "repository",
+    "repository-artifact",
+    "repository-code",
+    "title",
+    "type",
+    "url",
     "version",
-}  # fmt: skip
+}
 REQUIRED = {"authors", "cff-version", "message", "title"}
 
 

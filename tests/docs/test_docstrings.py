@@ -13,9 +13,16 @@ from numpydoc.docscrape import ClassDoc, FunctionDoc
 import surae
 
 LAYERS = (
-    "recording", "signals", "model", "protocol", "quality", "inference", "studies", "report",
+    "recording",
+    "signals",
+    "model",
+    "protocol",
+    "quality",
+    "inference",
+    "studies",
+    "report",
     "api",
-)  # fmt: skip
+)
 
 
 def documented() -> dict[str, object]:
@@ -51,8 +58,11 @@ def functions() -> Iterator[tuple[str, Callable[..., object], bool]]:
 
 FUNCTIONS = {name: (function, bound) for name, function, bound in functions()}
 #: What users call: surae.fit, surae.Fit.save, not what only one layer says to another.
-USERS = [name for name in FUNCTIONS if ".".join(name.split(".")[:2]) in
-         {f"surae.{public}" for public in surae.__all__}]  # fmt: skip
+USERS = [
+    name
+    for name in FUNCTIONS
+    if ".".join(name.split(".")[:2]) in {f"surae.{public}" for public in surae.__all__}
+]
 
 
 def _parameters(function: Callable[..., object], bound: bool) -> list[str]:

@@ -14,12 +14,15 @@ SAID = [
 ]
 EVERY = [said for section in SAID for said in section]
 COUNTS = Counter(
-    "differs" if said.startswith("differs")
-    else "holds with the thesis's integrator" if "integrator" in said
-    else "holds under a reading" if said.startswith("holds under")
+    "differs"
+    if said.startswith("differs")
+    else "holds with the thesis's integrator"
+    if "integrator" in said
+    else "holds under a reading"
+    if said.startswith("holds under")
     else said
     for said in EVERY
-)  # fmt: skip
+)
 #: How many claims differ for each cause.
 DIFFER = [EVERY.count(f"differs: {cause}") for cause in CAUSES]
 

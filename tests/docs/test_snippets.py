@@ -51,18 +51,46 @@ QUICKER = {
 #: Pages whose sessions, cohorts and studies take seconds each; what they run has tests of its own.
 LONG = {
     f"docs/{page}.md"
-    for page in ("start", "clinicians", "how-to/run-a-cohort", "how-to/sessions",
-                 "how-to/run-a-study", "how-to/script-it", "how-to/before-and-after",
-                 "how-to/design-a-protocol", "methods/measures")
-}  # fmt: skip
+    for page in (
+        "start",
+        "clinicians",
+        "how-to/run-a-cohort",
+        "how-to/sessions",
+        "how-to/run-a-study",
+        "how-to/script-it",
+        "how-to/before-and-after",
+        "how-to/design-a-protocol",
+        "methods/measures",
+    )
+}
 #: Pages that take seconds, and functions whose examples do: CI runs them.
 SECONDS = {
     f"docs/how-to/{page}.md"
-    for page in ("another-joint", "check", "choose-a-model", "export", "fit-my-file", "geometry",
-                 "how-much-is-nerve", "measure-a-leg")
-}  # fmt: skip
-SECONDS |= {"change", "cohort", "design", "example", "export", "fit", "impedance", "load_session",
-            "measures", "plan_session", "posterior", "session"}  # fmt: skip
+    for page in (
+        "another-joint",
+        "check",
+        "choose-a-model",
+        "export",
+        "fit-my-file",
+        "geometry",
+        "how-much-is-nerve",
+        "measure-a-leg",
+    )
+}
+SECONDS |= {
+    "change",
+    "cohort",
+    "design",
+    "example",
+    "export",
+    "fit",
+    "impedance",
+    "load_session",
+    "measures",
+    "plan_session",
+    "posterior",
+    "session",
+}
 #: Targets of the Makefile, and extras of the package.
 TARGETS = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), flags=re.MULTILINE))
 

@@ -36,8 +36,10 @@ def test_values_come_back_and_stay_within_their_bounds() -> None:
     assert 0.0 < far["g1"] < 0.02 * values["g1"]
     assert far["m"] == one.problem.upper[one.problem.free.index("m")]
     z, step = one.start({}), 1e-6
-    slopes = [(one.by_name(z + step * e)[n] - one.by_name(z)[n]) / step
-              for n, e in zip(one.names, np.eye(len(z)), strict=True)]  # fmt: skip
+    slopes = [
+        (one.by_name(z + step * e)[n] - one.by_name(z)[n]) / step
+        for n, e in zip(one.names, np.eye(len(z)), strict=True)
+    ]
     np.testing.assert_allclose(one.scale(z), slopes, rtol=1e-4)
     assert one.prior_cost(z + 0.1) == pytest.approx(len(z) * 0.2**2)
 

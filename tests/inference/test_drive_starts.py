@@ -99,16 +99,23 @@ def test_the_problem_without_its_drives_is_the_ordinary_one(late) -> None:
 @pytest.mark.parametrize(
     ("given", "kept"),
     [
-        ({"free": ["emd"], "fixed": {"reflex_tri": 500.0}},
-         {"reflex_tri": 500.0, "reflex_tib": 0.0, "reflex_delay": 0.05}),
+        (
+            {"free": ["emd"], "fixed": {"reflex_tri": 500.0}},
+            {"reflex_tri": 500.0, "reflex_tib": 0.0, "reflex_delay": 0.05},
+        ),
         ({"free": ["reflex_tri", "reflex_delay"], "fixed": {"reflex_tib": 0.0}}, {}),
         ({"free": ["reflex"], "fixed": {"emd": 0.04}}, {"emd": 0.04}),
         ({"free": ["emd"], "bounds": {"emd": (0.01, 0.1)}, "start": {"emd": 0.05}}, {"emd": 0.01}),
-        ({"free": ["reflex_delay"], "fixed": {"reflex_tri": 500.0},
-          "start": {"reflex_delay": 0.07}},
-         {"reflex_tri": 500.0, "reflex_tib": 0.0, "reflex_delay": 0.07}),
+        (
+            {
+                "free": ["reflex_delay"],
+                "fixed": {"reflex_tri": 500.0},
+                "start": {"reflex_delay": 0.07},
+            },
+            {"reflex_tri": 500.0, "reflex_tib": 0.0, "reflex_delay": 0.07},
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_is_fixed_or_cannot_be_off_stays(late, given, kept) -> None:
     problem = make_problem([late], **given)
     off = drives_off(problem)
@@ -118,8 +125,10 @@ def test_what_is_fixed_or_cannot_be_off_stays(late, given, kept) -> None:
     x = held_off(problem, off.start)
     np.testing.assert_allclose(
         problem.spec.simulator(late, problem.options).torque(problem.values(x)),
-        off.spec.simulator(late, off.options).torque(off.base), rtol=1e-9, atol=1e-9,
-    )  # fmt: skip
+        off.spec.simulator(late, off.options).torque(off.base),
+        rtol=1e-9,
+        atol=1e-9,
+    )
 
 
 def test_delays_are_tried_where_bounds_and_start_say(late) -> None:

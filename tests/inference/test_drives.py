@@ -90,13 +90,19 @@ def true_values(model: str = "muscle", seed: int = 3) -> dict[str, float]:
         ({"fixed": {"emd": 0.0}}, ["emd"], []),
         ({"free": ["reflex"]}, list(REFLEX), list(REFLEX)),
         ({"free": ["reflex_tri", "reflex_delay"]}, list(REFLEX), ["reflex_tri", "reflex_delay"]),
-        ({"free": ["reflex"], "fixed": {"reflex_tib": 0.0}}, list(REFLEX),
-         ["reflex_tri", "reflex_delay"]),
+        (
+            {"free": ["reflex"], "fixed": {"reflex_tib": 0.0}},
+            list(REFLEX),
+            ["reflex_tri", "reflex_delay"],
+        ),
         ({"free": ["reflex", "emd"]}, ["emd", *REFLEX], ["emd", *REFLEX]),
-        ({"free": ["emd"], "start": {"emd": 0.03}, "bounds": {"emd": (0.01, 0.1)}}, ["emd"],
-         ["emd"]),
+        (
+            {"free": ["emd"], "start": {"emd": 0.03}, "bounds": {"emd": (0.01, 0.1)}},
+            ["emd"],
+            ["emd"],
+        ),
     ],
-)  # fmt: skip
+)
 def test_drives_are_there_when_they_are_named(clean, given, drives, free):
     model = "muscle-tendon-strain"
     problem = make_problem([clean], model, **given)

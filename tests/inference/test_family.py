@@ -267,10 +267,13 @@ def test_the_noise_of_raw_emg_is_as_strong_as_the_emg():
     level = emg_noise(with_noise)
     smooth = prepare(
         Recording.from_arrays(
-            trial.inputs.time, trial.inputs.angle, trial.inputs.torque, trial.inputs.emg.clip(0.0),
+            trial.inputs.time,
+            trial.inputs.angle,
+            trial.inputs.torque,
+            trial.inputs.emg.clip(0.0),
             emg_kind="envelope",
         )
-    )  # fmt: skip
+    )
     strong = smooth.emg[:, 2] > np.percentile(smooth.emg[:, 2], 90.0)
     weak = smooth.emg[:, 2] < np.percentile(smooth.emg[:, 2], 30.0)
     # rectified noise fluctuates by 0.76 of its mean, most of it faster than this rate shows
@@ -401,10 +404,11 @@ def test_a_departure_beyond_what_legs_have_makes_the_fit_doubtful_and_is_named(f
     spec = with_optional(fitted.problem.spec, [name])
     for value, odd in ((0.9, False), (1.2, True)):
         odder = replace(
-            fitted, problem=replace(fitted.problem, spec=spec),
+            fitted,
+            problem=replace(fitted.problem, spec=spec),
             values={**fitted.values, name: value},
             solution=replace(fitted.solution, beliefs={**fitted.solution.beliefs, name: far}),
-        )  # fmt: skip
+        )
         reasons = " ".join(map(str, _laboratory(odder)))
         assert ("(joint_damping): implausible" in reasons) == odd
 

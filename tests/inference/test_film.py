@@ -177,8 +177,10 @@ def test_a_joint_fit_has_one_zero_of_each_film(filmed) -> None:
     z, c, w = joint.start({}), joint.still(), joint.expected()
     for number in range(2):
         films = joint.observed.rows(z, c[number], w[number], number)[1:]
-        seen = {view.channel: rows.by_z[at].any() for view, rows in
-                zip(joint.latents[number].films, films, strict=True)}  # fmt: skip
+        seen = {
+            view.channel: rows.by_z[at].any()
+            for view, rows in zip(joint.latents[number].films, films, strict=True)
+        }
         assert seen == {"fascicle_gm": False, "fascicle_tib": True}
 
 

@@ -15,9 +15,17 @@ from surae.model import ModelOptions, get_model
 MODEL = "muscle-2010"
 SPEC = get_model(MODEL)
 TRUTH = {
-    "m": 2.1, "k_tri": 200.0, "x0_tri": 0.017, "e1": 5e5, "e2": 9e5, "e3": 1.3e6, "e4": 1e6,
-    "f": 2.0, "b_tri": 800.0, "F0": -12.0,
-}  # fmt: skip
+    "m": 2.1,
+    "k_tri": 200.0,
+    "x0_tri": 0.017,
+    "e1": 5e5,
+    "e2": 9e5,
+    "e3": 1.3e6,
+    "e4": 1e6,
+    "f": 2.0,
+    "b_tri": 800.0,
+    "F0": -12.0,
+}
 THESIS, VIRTUAL_WORK = ModelOptions(), ModelOptions(geometry="virtual-work")
 
 
@@ -87,8 +95,10 @@ def test_old_and_new_on_a_trial_of_the_new(noisy, subject):
     # The old model follows the torque, but not to the noise, whatever the number of parameters.
     assert 98.5 < was.vaf < now.vaf - 0.3
     assert was.rmse > 2 * now.rmse
-    scores = [one.problem.n * np.log(one.sse / one.problem.n) + 2 * len(one.problem.free)
-              for one in (old, new)]  # fmt: skip
+    scores = [
+        one.problem.n * np.log(one.sse / one.problem.n) + 2 * len(one.problem.free)
+        for one in (old, new)
+    ]
     assert scores[0] > scores[1] + 100
     # What both have is alike; what the old has not goes elsewhere: relaxation into the shift.
     for name in ("m", "k_tri", "x0_tri"):

@@ -146,9 +146,21 @@ def test_saved_again_it_is_the_same_file(text, tmp_path):
 def test_the_human_part(result, text):
     data = json.loads(text)
     contract = {
-        "surae", "model", "options", "status", "message", "vaf", "parameters", "correlation",
-        "ipde", "recordings", "seed", "starts", "seconds", "versions",
-    }  # fmt: skip
+        "surae",
+        "model",
+        "options",
+        "status",
+        "message",
+        "vaf",
+        "parameters",
+        "correlation",
+        "ipde",
+        "recordings",
+        "seed",
+        "starts",
+        "seconds",
+        "versions",
+    }
     assert contract <= set(data)
     found = assess(result, alternatives=True)
     assert data["surae"] == surae.__version__
@@ -160,8 +172,16 @@ def test_the_human_part(result, text):
     for name, p in found.parameters.items():
         entry = data["parameters"][name]
         assert {
-            "value", "unit", "sem", "ci95", "lower", "upper", "free", "at_bound", "verdict"
-        } <= set(entry)  # fmt: skip
+            "value",
+            "unit",
+            "sem",
+            "ci95",
+            "lower",
+            "upper",
+            "free",
+            "at_bound",
+            "verdict",
+        } <= set(entry)
         assert entry["value"] == p.value
         assert entry["sem"] == p.sem
         assert entry["ci95"] == (None if p.ci95 is None else list(p.ci95))
@@ -251,9 +271,30 @@ def test_a_bomb_takes_no_more_memory_than_the_array_that_was_asked_for():
 
 
 WRONG = [
-    None, True, False, 0, -1, 3, 1.5, 1e308, -1e308, 10**30, 10**400, "", "x", "nan", "1e5", [],
-    [[]], [1.0] * 20, {}, {"value": 1}, {"a": {"b": []}}, "\0", "A" * 1000,
-]  # fmt: skip
+    None,
+    True,
+    False,
+    0,
+    -1,
+    3,
+    1.5,
+    1e308,
+    -1e308,
+    10**30,
+    10**400,
+    "",
+    "x",
+    "nan",
+    "1e5",
+    [],
+    [[]],
+    [1.0] * 20,
+    {},
+    {"value": 1},
+    {"a": {"b": []}},
+    "\0",
+    "A" * 1000,
+]
 
 
 def places(node, path=()):
@@ -325,10 +366,26 @@ def test_truncated_files(text, tmp_path):
 
 @pytest.mark.parametrize(
     "content",
-    [b"", b"null", b"[]", b"1", b'"fit"', b"{}", b"\xff\xfe", b"{" * 100000, b"[" * 100000,
-     b'{"surae": {}}', b'{"surae": "0.1.0"}', b'{"model": 3}', b'{"parameters": {}}',
-     b'{"a": ' + b"9" * 5000 + b"}", b"\xef\xbb\xbf{}", b'{"surae": [1]}', b'{"format": "x"}'],
-)  # fmt: skip
+    [
+        b"",
+        b"null",
+        b"[]",
+        b"1",
+        b'"fit"',
+        b"{}",
+        b"\xff\xfe",
+        b"{" * 100000,
+        b"[" * 100000,
+        b'{"surae": {}}',
+        b'{"surae": "0.1.0"}',
+        b'{"model": 3}',
+        b'{"parameters": {}}',
+        b'{"a": ' + b"9" * 5000 + b"}",
+        b"\xef\xbb\xbf{}",
+        b'{"surae": [1]}',
+        b'{"format": "x"}',
+    ],
+)
 def test_files_that_are_no_fit(content, tmp_path):
     with pytest.raises(InputError) as caught:
         load_text(content, tmp_path)
@@ -396,10 +453,20 @@ def test_parameters_of_a_fit_and_of_a_plain_table(result, text, tmp_path):
 
 @pytest.mark.parametrize(
     "content",
-    ["{}", '{"parameters": {}}', '{"parameters": [1]}', '{"parameters": {"m": null}}',
-     '{"parameters": {"m": true}}', '{"parameters": {"m": "2"}}', '{"parameters": {"m": {}}}',
-     '{"m": 2}', "[2]", "2", "x"],
-)  # fmt: skip
+    [
+        "{}",
+        '{"parameters": {}}',
+        '{"parameters": [1]}',
+        '{"parameters": {"m": null}}',
+        '{"parameters": {"m": true}}',
+        '{"parameters": {"m": "2"}}',
+        '{"parameters": {"m": {}}}',
+        '{"m": 2}',
+        "[2]",
+        "2",
+        "x",
+    ],
+)
 def test_tables_that_are_no_parameters(content, tmp_path):
     path = tmp_path / "p.json"
     path.write_text(content)

@@ -23,9 +23,12 @@ def examine(*columns, values=None, **more):
     design = np.column_stack(columns)
     names = "abcdefgh"[: design.shape[1]]
     values = np.ones(len(names)) if values is None else np.asarray(values)
-    fit = toy_fit(linear(design), design @ values + NOISE,
-                  dict(zip(names, values.tolist(), strict=True)),
-                  dict.fromkeys(names, (-50.0, 50.0)))  # fmt: skip
+    fit = toy_fit(
+        linear(design),
+        design @ values + NOISE,
+        dict(zip(names, values.tolist(), strict=True)),
+        dict.fromkeys(names, (-50.0, 50.0)),
+    )
     return identifiability(fit, **more)
 
 

@@ -22,10 +22,16 @@ def holds(path) -> list[Recording]:
     made = []
     for number, (first, last) in enumerate(ends):
         at = (time > first + EDGE) & (time < last - EDGE)
-        made.append(Recording.from_arrays(
-            time[at], angle[at], channels["torque"].values[at], emg[at], name=f"hold {number}",
-            emg_kind="envelope",
-        ))  # fmt: skip
+        made.append(
+            Recording.from_arrays(
+                time[at],
+                angle[at],
+                channels["torque"].values[at],
+                emg[at],
+                name=f"hold {number}",
+                emg_kind="envelope",
+            )
+        )
     return made
 
 

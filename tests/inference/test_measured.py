@@ -7,8 +7,11 @@ import pytest
 import surae
 
 TRIALS = {
-    "PL_50_01": "dynamometer", "PL_50_02": "repeats", "PL_0_01": "repeats", "PL_100_01": "repeats",
-}  # fmt: skip
+    "PL_50_01": "dynamometer",
+    "PL_50_02": "repeats",
+    "PL_0_01": "repeats",
+    "PL_100_01": "repeats",
+}
 PASSIVE = {"Pas_Sho2Long": "dynamometer"}
 
 

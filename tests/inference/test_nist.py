@@ -71,11 +71,22 @@ def _bennett5(b, x):
 
 
 MODELS: dict[str, Callable] = {
-    "Misra1a": _boxbod, "Misra1c": _misra1c, "DanWood": _danwood, "Chwirut2": _chwirut2,
-    "Lanczos3": _lanczos3, "Roszman1": _roszman1, "MGH17": _mgh17, "Thurber": _thurber,
-    "MGH09": _mgh09, "MGH10": _mgh10, "BoxBOD": _boxbod, "Rat42": _rat42, "Rat43": _rat43,
-    "Eckerle4": _eckerle4, "Bennett5": _bennett5,
-}  # fmt: skip
+    "Misra1a": _boxbod,
+    "Misra1c": _misra1c,
+    "DanWood": _danwood,
+    "Chwirut2": _chwirut2,
+    "Lanczos3": _lanczos3,
+    "Roszman1": _roszman1,
+    "MGH17": _mgh17,
+    "Thurber": _thurber,
+    "MGH09": _mgh09,
+    "MGH10": _mgh10,
+    "BoxBOD": _boxbod,
+    "Rat42": _rat42,
+    "Rat43": _rat43,
+    "Eckerle4": _eckerle4,
+    "Bennett5": _bennett5,
+}
 
 #: Far starts from which no Levenberg–Marquardt is sure to arrive: from (1, 1) the second step of
 #: BoxBOD lands where the exponential has vanished, and the valley of MGH10 is e⁵⁰ times too narrow.
@@ -128,9 +139,13 @@ def test_the_sets_are_copied_right():
 def test_certified_values_and_deviations(name, start):
     one = Regression(name)
     found = minimise(
-        one.rows, one.table[:, start - 1], -one.infinite, one.infinite, ftol=1e-14,
+        one.rows,
+        one.table[:, start - 1],
+        -one.infinite,
+        one.infinite,
+        ftol=1e-14,
         max_iterations=700,
-    )  # fmt: skip
+    )
     assert found.outcome is Outcome.CONVERGED
     np.testing.assert_allclose(found.x, one.certified, rtol=1e-6)
     np.testing.assert_allclose(one.deviations(found), one.deviation, rtol=1e-6)
@@ -161,9 +176,15 @@ def test_as_low_as_scipy(name):
     first = one.table[:, 1]
     ours = minimise(one.rows, first, -one.infinite, one.infinite, ftol=1e-14, max_iterations=400)
     theirs = least_squares(
-        lambda b: one.rows(b)[-1], first, jac=lambda b: one.rows(b)[:-1].T, method="lm",
-        x_scale="jac", ftol=1e-15, xtol=1e-15, gtol=1e-15,
-    )  # fmt: skip
+        lambda b: one.rows(b)[-1],
+        first,
+        jac=lambda b: one.rows(b)[:-1].T,
+        method="lm",
+        x_scale="jac",
+        ftol=1e-15,
+        xtol=1e-15,
+        gtol=1e-15,
+    )
     assert ours.sse <= 2 * theirs.cost * (1 + 1e-10)
 
 

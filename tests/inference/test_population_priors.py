@@ -104,10 +104,14 @@ def test_priors_help_where_the_data_are_weak():
     """Three seconds say little of a relaxation that takes seconds."""
     motion = generate(
         Protocol(
-            profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.5, rate_hz=64.0,
-            duration=3.0, task="active",
+            profile="multiple-holds",
+            chirp_amplitude=0.2,
+            chirp_rate=0.5,
+            rate_hz=64.0,
+            duration=3.0,
+            task="active",
         )
-    )  # fmt: skip
+    )
     plain, informed, errors = [], [], []
     for seed in range(1, 9):
         subject = virtual_subject(seed)

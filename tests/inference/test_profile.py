@@ -88,9 +88,12 @@ def test_of_a_curve_it_is_the_known_likelihood(decayed):
     # Skewed: the upper arm is the longer one, which the covariance cannot say.
     assert (high - b) > 1.15 * (b - low)
     assert found.along["a"] == pytest.approx(
-        [decayed.problem.inputs[0].torque @ np.exp(-v * TIME) / np.exp(-2 * v * TIME).sum()
-         for v in found.values], rel=1e-4,
-    )  # fmt: skip
+        [
+            decayed.problem.inputs[0].torque @ np.exp(-v * TIME) / np.exp(-2 * v * TIME).sum()
+            for v in found.values
+        ],
+        rel=1e-4,
+    )
 
 
 def test_the_variance_inflation_divides_and_widens(line):
@@ -104,8 +107,9 @@ def test_the_variance_inflation_divides_and_widens(line):
 def test_an_end_beyond_the_bound_is_open(decayed):
     b = decayed.values["b"]
     bounds = {"a": (0.0, 10.0), "b": (0.0, b + 0.05)}
-    found = profile(toy_fit(decay, decayed.problem.inputs[0].torque, {"a": 1.0, "b": 1.0}, bounds),
-                    "b")  # fmt: skip
+    found = profile(
+        toy_fit(decay, decayed.problem.inputs[0].torque, {"a": 1.0, "b": 1.0}, bounds), "b"
+    )
     low, high = found.interval
     assert low == pytest.approx(profile(decayed, "b").interval[0], rel=3e-3)
     assert high is None
@@ -163,12 +167,17 @@ def test_from_a_bound_it_goes_inwards_only():
 
 def test_the_others_meet_their_bounds_on_the_way():
     design = np.column_stack([np.ones(N), TIME])
-    fit = toy_fit(linear(design), design @ [1.0, 2.0] + NOISE, {"a": 1.0, "b": 2.0},
-                  {"a": WIDE, "b": (2.005, 2.02)})  # fmt: skip
+    fit = toy_fit(
+        linear(design),
+        design @ [1.0, 2.0] + NOISE,
+        {"a": 1.0, "b": 2.0},
+        {"a": WIDE, "b": (2.005, 2.02)},
+    )
     found = profile(fit, "a")
     (one,) = fit.problem.inputs
-    slope = np.array([np.clip((one.torque - a) @ TIME / (TIME @ TIME), 2.005, 2.02)
-                      for a in found.values])  # fmt: skip
+    slope = np.array(
+        [np.clip((one.torque - a) @ TIME / (TIME @ TIME), 2.005, 2.02) for a in found.values]
+    )
     np.testing.assert_allclose(found.along["b"], slope, rtol=1e-6)
     assert {2.005, 2.02} <= set(found.along["b"])
 
@@ -196,9 +205,12 @@ def test_one_without_influence_at_its_bound_does_not_lead_astray():
 
 def test_the_fixed_ones_stay(line):
     problem = replace(
-        line.problem, free=("a", "c"), base=np.array([0.0, 1.9, 0.0]), lower=np.full(2, -100.0),
+        line.problem,
+        free=("a", "c"),
+        base=np.array([0.0, 1.9, 0.0]),
+        lower=np.full(2, -100.0),
         upper=np.full(2, 100.0),
-    )  # fmt: skip
+    )
     fit = fit_problem(problem, starts=1)
     found = profile(fit, "a")
     assert list(found.along) == ["c"]

@@ -132,9 +132,12 @@ def test_samples_left_out_are_gaps(clean, fixed):
     calm = fitted_to(clean, [noise], fixed, weight=read_only(weight))
     result = fitted_to(clean, [wild], fixed, weight=read_only(weight))
     np.testing.assert_allclose(sems(result), sems(calm), rtol=1e-6)
-    J = Residuals(make_problem([clean], fixed=fixed)).data_rows(
-        np.array([result.values[name] for name in LINEAR])
-    )[:-1].T * (weight > 0)[:, None]  # fmt: skip
+    J = (
+        Residuals(make_problem([clean], fixed=fixed))
+        .data_rows(np.array([result.values[name] for name in LINEAR]))[:-1]
+        .T
+        * (weight > 0)[:, None]
+    )
     np.testing.assert_allclose(sems(result), exact(J, RHO), rtol=0.3)
 
 

@@ -87,8 +87,11 @@ def subset(weight: float, mode: list[float], variance: list[float]) -> Subset:
 
 def test_what_other_sets_of_departures_say_is_weighed() -> None:
     posterior = SimpleNamespace(names=("b", "c", "a"))
-    scored = (subset(0.7, [1.0, 2.0], [1.0, 1.0]), subset(0.297, [1.3, 1.8], [1.5, 0.5]),
-              subset(0.003, [9.0, 9.0], [9.0, 9.0]))  # fmt: skip
+    scored = (
+        subset(0.7, [1.0, 2.0], [1.0, 1.0]),
+        subset(0.297, [1.3, 1.8], [1.5, 0.5]),
+        subset(0.003, [9.0, 9.0], [9.0, 9.0]),
+    )
     rows = between_subsets(scored, ("a", "b"), posterior, V)
     # The last is not looked at; of b the other set is surer, which takes nothing away.
     expected = 0.297 * np.array([0.2**2, 0.0, 0.3**2 + 0.5])
@@ -97,8 +100,10 @@ def test_what_other_sets_of_departures_say_is_weighed() -> None:
 
 
 def test_trials_differ_by_what_their_pulls_exceed() -> None:
-    blocks = [SimpleNamespace(g=np.array(g), H=np.diag(h))
-              for g, h in (([2.0, 0.1], [1.0, 1.0]), ([-2.0, -0.1], [3.0, 1.0]))]  # fmt: skip
+    blocks = [
+        SimpleNamespace(g=np.array(g), H=np.diag(h))
+        for g, h in (([2.0, 0.1], [1.0, 1.0]), ([-2.0, -0.1], [3.0, 1.0]))
+    ]
     assert between_trials(blocks[:1], np.eye(2)).shape == (0, 2)
     rows = between_trials(blocks, np.eye(2))
     # n/(n − 1)·Σ(V·g)² − Σ(V·H·V)ᵢᵢ: 2·8 − 4, and of what agrees nothing.

@@ -57,18 +57,24 @@ def walk(leg, shared, tmp_path_factory):
     table["torque_Nm"] += rng.normal(0.0, 1.0, time.size)
     table |= {f"{role}_V": values for role, values in emg.items()}
     np.savetxt(
-        folder / "walk.csv", np.column_stack([*table.values()]), delimiter=",",
-        header="# emg: envelope\n" + ",".join(table), comments="",
-    )  # fmt: skip
+        folder / "walk.csv",
+        np.column_stack([*table.values()]),
+        delimiter=",",
+        header="# emg: envelope\n" + ",".join(table),
+        comments="",
+    )
 
     frames = np.arange(0.0, 15.0, 1.0 / RATE)
     length = SCALE * 1e3 * np.interp(frames + FIRST, fine, lengths[0]) + ZERO
     length += DRIFT * np.sin(2 * np.pi * frames / 11.0) + rng.normal(0.0, 0.1, frames.size)
     np.savetxt(
-        folder / "fascicles.mot", np.column_stack([frames, length]), delimiter="\t", comments="",
+        folder / "fascicles.mot",
+        np.column_stack([frames, length]),
+        delimiter="\t",
+        comments="",
         header=f"fascicles\nversion=1\nnRows={frames.size}\nnColumns=2\ninDegrees=no\nendheader\n"
         "time\tmed_gas_r",
-    )  # fmt: skip
+    )
 
     channels = "".join(
         f'[channels.{name.rsplit("_", 1)[0]}]\nfile = "walk.csv"\ncolumn = "{name}"\n'

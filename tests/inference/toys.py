@@ -55,9 +55,17 @@ def toy_problem(
     n = len(data)
     zeros = read_only(np.zeros(n))
     inputs = ModelInputs(
-        "toy", 100.0, read_only(np.arange(n) / 100), zeros, zeros, zeros,
-        read_only(np.zeros((n, 4))), "V", read_only(np.asarray(data, dtype=float)), prepared=True,
-    )  # fmt: skip
+        "toy",
+        100.0,
+        read_only(np.arange(n) / 100),
+        zeros,
+        zeros,
+        zeros,
+        read_only(np.zeros((n, 4))),
+        "V",
+        read_only(np.asarray(data, dtype=float)),
+        prepared=True,
+    )
     names = tuple(start)
     parameters = tuple(Parameter(k, "-", k, "limb", start[k], *bounds[k], False) for k in names)
     spec = ToySpec("toy", "toy", parameters, names, tie="", curve=curve)

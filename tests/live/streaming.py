@@ -82,19 +82,26 @@ class Sender:
         self.sources = [f"file {i}" for i in range(len(self.groups))]
         self.outlets = [
             outlet(
-                source, "x", [c.role for c in group], [c.unit for c in group],
-                group[0].rate_hz, source,
+                source,
+                "x",
+                [c.role for c in group],
+                [c.unit for c in group],
+                group[0].rate_hz,
+                source,
             )
             for source, group in zip(self.sources, self.groups, strict=True)
-        ]  # fmt: skip
+        ]
         names = {c.role: s for s, g in zip(self.sources, self.groups, strict=True) for c in g}
         lines = [f'emg = "{recording.emg}"']
         for table in ("fixed", "prepare"):
             entries = getattr(recording, table).items()
             lines += [f"[{table}]", *(f"{k} = {json.dumps(v)}" for k, v in entries)]
         for role, channel in recording.channels.items():
-            lines += [f"[channels.{role}]", f'column = "{names[role]}: {role}"',
-                      f'unit = "{channel.unit}"']  # fmt: skip
+            lines += [
+                f"[channels.{role}]",
+                f'column = "{names[role]}: {role}"',
+                f'unit = "{channel.unit}"',
+            ]
         self.mapping = "\n".join(lines)
 
     def heard(self, recorder: Recorder) -> bool:
@@ -144,9 +151,11 @@ def rehearsing(folder: Path, *arguments: str) -> Iterator[subprocess.Popen]:
     """A rehearsal in a process, and a session of LSL, of its own."""
     made = subprocess.Popen(
         [sys.executable, "-m", "surae", "live", "--rehearse", "--output", str(folder), *arguments],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
         env={name: value for name, value in os.environ.items() if name != SESSION},
-    )  # fmt: skip
+    )
     try:
         yield made
     finally:

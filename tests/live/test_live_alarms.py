@@ -20,9 +20,13 @@ DEVICE = DEVICES["achilles"]
 def made(leg=1, profile="multiple-holds", task="active", seconds=20.0):
     """A trial as it is measured after some rest: request, and signals of shape (n, 6)."""
     settings = Protocol(
-        profile=profile, task=task, duration=seconds, rate_hz=RATE, device=DEVICE,
+        profile=profile,
+        task=task,
+        duration=seconds,
+        rate_hz=RATE,
+        device=DEVICE,
         angle_range=SPAN,
-    )  # fmt: skip
+    )
     asked, who = generate(settings), virtual_subject(leg)
     channels = virtual_recording(
         who, asked, seed=leg, imperfections=realistic_imperfections(who)
@@ -63,9 +67,13 @@ def trial():
 
 
 QUIET = [
-    (1, "multiple-holds", "active"), (2, "sine", "passive"), (3, "multiple-holds", "part-passive"),
-    (4, "ramp-and-hold", "active"), (5, "sine", "active"), (6, "multiple-holds", "passive"),
-]  # fmt: skip
+    (1, "multiple-holds", "active"),
+    (2, "sine", "passive"),
+    (3, "multiple-holds", "part-passive"),
+    (4, "ramp-and-hold", "active"),
+    (5, "sine", "active"),
+    (6, "multiple-holds", "passive"),
+]
 
 
 @pytest.mark.parametrize(("leg", "profile", "task"), [*QUIET[:3], *(slow(*q) for q in QUIET[3:])])

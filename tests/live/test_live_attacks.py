@@ -191,8 +191,9 @@ def test_a_trial_in_which_the_layout_changed_is_repeated(lsl, judged_at_once) ->
         trials.close()
     found = columns(judged_at_once / "trial-02.xdf")
     assert {name: values[0] for name, values in found.items()} == {
-        "dev: torque": 2.0, "dev: angle": 1.0,
-    }  # fmt: skip
+        "dev: torque": 2.0,
+        "dev: angle": 1.0,
+    }
 
 
 def test_words_that_are_no_utf8_starve_nobody(lsl, tmp_path) -> None:
@@ -261,9 +262,17 @@ def test_a_number_that_is_taken_is_passed_over_and_nothing_waits(
 
 
 NAMES = (
-    "trial-01.xdf", "trial-01.h5", "trial-01.json", "trial-01-target.csv", "next-target.csv",
-    "joint.json", "measure-next.csv", "mapping.toml", "between-01.xdf", "live.lock",
-)  # fmt: skip
+    "trial-01.xdf",
+    "trial-01.h5",
+    "trial-01.json",
+    "trial-01-target.csv",
+    "next-target.csv",
+    "joint.json",
+    "measure-next.csv",
+    "mapping.toml",
+    "between-01.xdf",
+    "live.lock",
+)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -507,9 +516,11 @@ time.sleep(100)
 def test_a_program_that_is_killed_within_a_trial_keeps_what_it_was(lsl, judged_at_once) -> None:
     device = Device(lsl)
     process = subprocess.Popen(
-        [sys.executable, "-c", KILLED, str(judged_at_once)], stdout=subprocess.PIPE, text=True,
+        [sys.executable, "-c", KILLED, str(judged_at_once)],
+        stdout=subprocess.PIPE,
+        text=True,
         env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
-    )  # fmt: skip
+    )
     try:
         file = judged_at_once / "trial-01.xdf"
         device.until(file.exists)
@@ -637,12 +648,19 @@ def test_the_systems_clock_may_jump(lsl, tmp_path, jump) -> None:
     (library,) = Path("/usr/lib").glob("*/faketime/libfaketime.so.1")
     device = Device(lsl)
     made = subprocess.Popen(
-        [sys.executable, "-c", FAKED, str(tmp_path / "a.xdf")], text=True, stdin=subprocess.PIPE,
+        [sys.executable, "-c", FAKED, str(tmp_path / "a.xdf")],
+        text=True,
+        stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "LD_PRELOAD": str(library),
-             "FAKETIME_TIMESTAMP_FILE": str(clock), "FAKETIME_NO_CACHE": "1",
-             "FAKETIME_DONT_FAKE_MONOTONIC": "1"},
-    )  # fmt: skip
+        env={
+            **os.environ,
+            "PYTHONPATH": os.pathsep.join(sys.path),
+            "LD_PRELOAD": str(library),
+            "FAKETIME_TIMESTAMP_FILE": str(clock),
+            "FAKETIME_NO_CACHE": "1",
+            "FAKETIME_DONT_FAKE_MONOTONIC": "1",
+        },
+    )
     ended = threading.Event()
 
     def send() -> None:

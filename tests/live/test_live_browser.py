@@ -20,8 +20,10 @@ PATIENCE = 240_000
 
 @pytest.fixture(scope="module")
 def chromium():
-    path = next((p for n in ("chromium", "chromium-browser", "google-chrome")
-                 if (p := shutil.which(n))), None)  # fmt: skip
+    path = next(
+        (p for n in ("chromium", "chromium-browser", "google-chrome") if (p := shutil.which(n))),
+        None,
+    )
     if path is None:
         if os.environ.get("CI"):
             pytest.fail("Chromium is missing; .ci/browser installs it")

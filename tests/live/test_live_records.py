@@ -31,20 +31,37 @@ EFFORT = st.sampled_from(["passive", "active", "maximal"])
 WORDS = st.sampled_from(["keep", "look", "repeat"])
 MARKS = st.lists(st.fixed_dictionaries({"at": st.floats(-1e9, 1e9), "text": ANY}), max_size=4)
 BEGUN = {
-    "trial": st.integers(1, 10**9 - 1), "began": st.none() | ANY, "protocol": st.none() | ANY,
-    "seconds_asked": NUMBER, "effort_asked": st.none() | EFFORT, "marks": MARKS,
-    "alarms": st.lists(st.fixed_dictionaries(
-        {"at": NUMBER, "code": ANY, "role": st.none() | ANY, "text": ANY}), max_size=3),
-    "split": st.none() | ANY, "note": st.none() | ANY, "lost_bytes": st.none() | st.integers(0),
-    "file": st.none() | ANY.filter(len), "recording": st.none() | ANY,
-}  # fmt: skip
+    "trial": st.integers(1, 10**9 - 1),
+    "began": st.none() | ANY,
+    "protocol": st.none() | ANY,
+    "seconds_asked": NUMBER,
+    "effort_asked": st.none() | EFFORT,
+    "marks": MARKS,
+    "alarms": st.lists(
+        st.fixed_dictionaries({"at": NUMBER, "code": ANY, "role": st.none() | ANY, "text": ANY}),
+        max_size=3,
+    ),
+    "split": st.none() | ANY,
+    "note": st.none() | ANY,
+    "lost_bytes": st.none() | st.integers(0),
+    "file": st.none() | ANY.filter(len),
+    "recording": st.none() | ANY,
+}
 JUDGED = {
-    "findings": st.lists(st.dictionaries(ANY, PLAIN, max_size=4), max_size=3), "seconds": NUMBER,
-    "use": st.none() | ANY, "effort_judged": st.none() | st.just("unknown") | EFFORT,
-    "effort": st.none() | EFFORT, "why": st.none() | ANY, "grade": st.none() | ANY, "vaf": NUMBER,
-    "reasons": st.lists(ANY, max_size=3), "verdict": WORDS, "advice": st.none() | ANY,
-    "leg": st.lists(ANY, max_size=3), "seconds_to_verdict": NUMBER,
-}  # fmt: skip
+    "findings": st.lists(st.dictionaries(ANY, PLAIN, max_size=4), max_size=3),
+    "seconds": NUMBER,
+    "use": st.none() | ANY,
+    "effort_judged": st.none() | st.just("unknown") | EFFORT,
+    "effort": st.none() | EFFORT,
+    "why": st.none() | ANY,
+    "grade": st.none() | ANY,
+    "vaf": NUMBER,
+    "reasons": st.lists(ANY, max_size=3),
+    "verdict": WORDS,
+    "advice": st.none() | ANY,
+    "leg": st.lists(ANY, max_size=3),
+    "seconds_to_verdict": NUMBER,
+}
 STATES = st.fixed_dictionaries(
     {**BEGUN, "state": st.sampled_from(["recording", "being judged", "broken off"])}
 ) | st.fixed_dictionaries({**BEGUN, **JUDGED, "state": st.just("judged")})
@@ -92,12 +109,21 @@ def started(path) -> None:
     log = XdfLog(path)
     log.stream(1, "<info/>")
     for stamp, event in (
-        (10.0, {"event": "start", "trial": 1, "began": "2026", "protocol": "sine passive",
-                "seconds": 20.0, "effort": "passive"}),
+        (
+            10.0,
+            {
+                "event": "start",
+                "trial": 1,
+                "began": "2026",
+                "protocol": "sine passive",
+                "seconds": 20.0,
+                "effort": "passive",
+            },
+        ),
         (11.0, {"event": "gap"}),
         (12.5, {"event": "mark", "text": "cough"}),
         (13.0, {"event": "alarm", "at": 2.5, "code": "silent", "role": "emg_ta", "text": "x"}),
-    ):  # fmt: skip
+    ):
         log.words(1, [stamp], [[json.dumps(event)]])
         log.samples(2, np.array([stamp]), np.zeros((1, 3)))
     log.close()
@@ -108,8 +134,10 @@ def test_marks_and_what_was_asked_are_in_the_recording_itself(tmp_path) -> None:
     said = said_in(tmp_path / "a.xdf")
     assert said["marks"] == [{"at": 2.5, "text": "cough"}]
     assert (said["protocol"], said["effort_asked"], said["seconds_asked"]) == (
-        "sine passive", "passive", 20.0,
-    )  # fmt: skip
+        "sine passive",
+        "passive",
+        20.0,
+    )
     assert said["alarms"][0]["role"] == "emg_ta"
     for broken in (b"", b"XDF:", b"XDF:\x04\xff\xff", b"no XDF"):
         (tmp_path / "b.xdf").write_bytes(broken)
@@ -138,8 +166,18 @@ def test_a_damaged_record_is_repaired_from_what_is_left(lsl, tmp_path, monkeypat
 def test_sound_fields_of_a_damaged_record_are_kept(tmp_path) -> None:
     row = tmp_path / "trial-01.json"
     marks = [{"at": 1.0, "text": "cough"}]
-    row.write_text(json.dumps({"format": 1, "trial": 1, "state": "splendid", "marks": marks,
-                               "protocol": 3, "effort_asked": "passive"}))  # fmt: skip
+    row.write_text(
+        json.dumps(
+            {
+                "format": 1,
+                "trial": 1,
+                "state": "splendid",
+                "marks": marks,
+                "protocol": 3,
+                "effort_asked": "passive",
+            }
+        )
+    )
     with pytest.raises(ValueError, match="state"):
         read_record(row, 1)
     record = repaired(row, 1, tmp_path / "none.xdf")
@@ -163,15 +201,33 @@ def test_sound_fields_of_a_damaged_record_are_kept(tmp_path) -> None:
 def test_records_of_before_are_read(tmp_path, old, asked, counts) -> None:
     """An earlier surae wrote the effort judged over the one asked for, and called that damaged."""
     row = tmp_path / "trial-01.json"
-    row.write_text(json.dumps({
-        "trial": 1, "state": "judged", "marks": [{"at": 1.0, "text": ""}], "verdict": "keep",
-        "use": "fit", "seconds": 18.5, "grade": "adequate", "vaf": 99.0, "findings": [],
-        "reasons": [], "why": "", "advice": "", "began": "2026", "recording": "x.h5", **old,
-    }))  # fmt: skip
+    row.write_text(
+        json.dumps(
+            {
+                "trial": 1,
+                "state": "judged",
+                "marks": [{"at": 1.0, "text": ""}],
+                "verdict": "keep",
+                "use": "fit",
+                "seconds": 18.5,
+                "grade": "adequate",
+                "vaf": 99.0,
+                "findings": [],
+                "reasons": [],
+                "why": "",
+                "advice": "",
+                "began": "2026",
+                "recording": "x.h5",
+                **old,
+            }
+        )
+    )
     record = read_record(row, 1)
     assert (record.effort_asked, record.effort, record.effort_judged) == (
-        asked, counts, old["effort"],
-    )  # fmt: skip
+        asked,
+        counts,
+        old["effort"],
+    )
     assert (record.seconds, record.verdict, len(record.marks)) == (18.5, "keep", 1)
 
 
@@ -258,8 +314,12 @@ def test_a_description_that_is_no_xml_is_made_anew() -> None:
 
     good = "<info><name>a &#1; &amp;</name><desc><x>&#x1b;[2Jy</x></desc></info>"
     assert _cleaned_xml(good) == "<info><name>a ? &amp;</name><desc><x>y</x></desc></info>"
-    for bad in ("<info>", '<!DOCTYPE x [<!ENTITY a "b">]><info>&a;</info>', "<a>" * 3 + "x" * 2**20,
-                "<info>\x01<name>x</name></info>"):  # fmt: skip
+    for bad in (
+        "<info>",
+        '<!DOCTYPE x [<!ENTITY a "b">]><info>&a;</info>',
+        "<a>" * 3 + "x" * 2**20,
+        "<info>\x01<name>x</name></info>",
+    ):
         assert _cleaned_xml(bad) == ""
     made = Stream(2, "a & b", "x", "here", ["<l>"], ["V"], 100.0, False, "", format=2).described()
     assert re.search("<name>a &amp; b</name>.*double64.*<label>&lt;l&gt;</label>", made)

@@ -398,11 +398,18 @@ def test_a_trackers_stream_is_recorded_as_a_film_on_its_own_clock(tmp_path) -> N
     lengths[50:60] = np.nan  # the tracker lost it
     log = XdfLog(tmp_path / "trial.xdf")
     told = []
-    for number, (name, labels, at, values) in enumerate((
-        ("robot", {r: c.unit for r, c in robot.items()}, robot["angle"].time,
-         np.column_stack([c.values for c in robot.values()])),
-        ("tracker", {"fascicle_tib": "mm"}, frames, lengths[:, None]),
-    ), 1):  # fmt: skip
+    for number, (name, labels, at, values) in enumerate(
+        (
+            (
+                "robot",
+                {r: c.unit for r, c in robot.items()},
+                robot["angle"].time,
+                np.column_stack([c.values for c in robot.values()]),
+            ),
+            ("tracker", {"fascicle_tib": "mm"}, frames, lengths[:, None]),
+        ),
+        1,
+    ):
         log.stream(number, described(name, labels, 1.0 / float(at[1] - at[0])))
         log.clock(number, float(at[0]), 0.0)
         log.samples(number, at, values)

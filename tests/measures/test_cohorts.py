@@ -77,8 +77,10 @@ def test_a_difference_between_groups_is_found_and_its_interval_holds() -> None:
     rng = np.random.default_rng(4)
     held = found = 0
     for _ in range(100):
-        rows = [leg(f"L{i}", 200 + 40 * (i % 2) + 10 * rng.standard_normal(), 5.0, "ab"[i % 2])
-                for i in range(20)]  # fmt: skip
+        rows = [
+            leg(f"L{i}", 200 + 40 * (i % 2) + 10 * rng.standard_normal(), 5.0, "ab"[i % 2])
+            for i in range(20)
+        ]
         contrast = pool(rows).pooled["k_tri"].differences["a → b"]
         found += contrast.p < 0.05
         held += contrast.ci95[0] <= 40.0 <= contrast.ci95[1]
@@ -101,8 +103,9 @@ def test_what_is_missing_or_at_a_bound_is_told_and_kept_apart() -> None:
     told = pool([*rows, bound, none, bad]).pooled["k_tri"]
     assert told.at_bound == 1
     assert dict(told.left_out) == {
-        "no such file": 1, "the fit is inadequate: it hardly moves": 1,
-    }  # fmt: skip
+        "no such file": 1,
+        "the fit is inadequate: it hardly moves": 1,
+    }
     assert told.groups[""].k == 7
     assert told.groups[""].mean == pytest.approx(202.5, abs=1.0)  # the bound draws it nowhere
     assert {each.leg for each in told.legs} == {f"L{i}" for i in range(6)}
@@ -113,8 +116,10 @@ def test_sessions_of_a_leg_tell_its_change_and_count_once() -> None:
     rows = []
     for i in range(8):
         own = 200 + 20 * rng.standard_normal()
-        rows += [leg(f"L{i}", own + 3 * rng.standard_normal(), 3.0, "a", "1"),
-                 leg(f"L{i}", own - 30 + 3 * rng.standard_normal(), 3.0, "a", "2")]  # fmt: skip
+        rows += [
+            leg(f"L{i}", own + 3 * rng.standard_normal(), 3.0, "a", "1"),
+            leg(f"L{i}", own - 30 + 3 * rng.standard_normal(), 3.0, "a", "2"),
+        ]
     told = pool(rows).pooled["k_tri"]
     assert told.groups["a"].k == 8
     assert told.changes["a"].difference == pytest.approx(-30.0, abs=5.0)
@@ -130,17 +135,22 @@ def test_correlations_of_many_are_held_against_each_other() -> None:
     rng = np.random.default_rng(7)
     claimed = 0
     for _ in range(60):
-        scales = [{f"s{k}": float(x) for k, x in enumerate(rng.standard_normal(10))}
-                  for _ in range(12)]  # fmt: skip
-        rows = [leg(f"L{i}", 200 + rng.standard_normal(), 1.0, scales=s)
-                for i, s in enumerate(scales)]  # fmt: skip
+        scales = [
+            {f"s{k}": float(x) for k, x in enumerate(rng.standard_normal(10))} for _ in range(12)
+        ]
+        rows = [
+            leg(f"L{i}", 200 + rng.standard_normal(), 1.0, scales=s) for i, s in enumerate(scales)
+        ]
         claimed += min(c.p for c in pool(rows).pooled["k_tri"].scales.values()) < 0.05
     assert claimed <= 8  # without that 24 of 60
 
 
 def test_session_10_comes_after_session_2() -> None:
-    rows = [leg(f"L{i}", 200.0 + by + i, 1.0, "a", name)
-            for i in range(4) for name, by in (("week 10", 30.0), ("week 2", 0.0))]  # fmt: skip
+    rows = [
+        leg(f"L{i}", 200.0 + by + i, 1.0, "a", name)
+        for i in range(4)
+        for name, by in (("week 10", 30.0), ("week 2", 0.0))
+    ]
     assert pool(rows).pooled["k_tri"].changes["a"].difference == pytest.approx(30.0)
 
 
@@ -180,12 +190,27 @@ def test_tables_that_are_wrong_are_refused(tmp_path, text, told) -> None:
 
 
 def test_the_page_draws_legs_over_sessions() -> None:
-    rows = [leg(f"L{i}", 200.0 + i, 1.0, "ab"[i % 2], n, scales={"mas": float(i)})
-            for i in range(6) for n in ("1", "2")]  # fmt: skip
-    named = [replace(row, quantities=replace(row.quantities, by_name=FrozenDict(
-        {"passive_torque@10deg": replace(row.quantities.by_name["k_tri"],
-                                         name="passive_torque@10deg")}
-    ))) for row in rows]  # fmt: skip
+    rows = [
+        leg(f"L{i}", 200.0 + i, 1.0, "ab"[i % 2], n, scales={"mas": float(i)})
+        for i in range(6)
+        for n in ("1", "2")
+    ]
+    named = [
+        replace(
+            row,
+            quantities=replace(
+                row.quantities,
+                by_name=FrozenDict(
+                    {
+                        "passive_torque@10deg": replace(
+                            row.quantities.by_name["k_tri"], name="passive_torque@10deg"
+                        )
+                    }
+                ),
+            ),
+        )
+        for row in rows
+    ]
     page = cohort_report(pool(named), created=datetime(2026, 11, 22)).page()
     assert page.count("data:image/svg") == 2
     assert "passive_torque@10deg over sessions" in page
@@ -241,9 +266,11 @@ def test_a_table_of_fits_is_a_cohort_with_its_file_and_page(table, tmp_path) -> 
 
     with pytest.raises(InputError, match="is a fit"):  # the table's own fits are the user's
         CliRunner().invoke(
-            group, ["cohort", str(table), "--output", str(table.parent / "0.json")],
-            catch_exceptions=False, standalone_mode=False,
-        )  # fmt: skip
+            group,
+            ["cohort", str(table), "--output", str(table.parent / "0.json")],
+            catch_exceptions=False,
+            standalone_mode=False,
+        )
     out, page = tmp_path / "c.json", tmp_path / "c.html"
     made = CliRunner().invoke(
         group, ["cohort", str(table), "--workers", "1", "--output", str(out), "--report", str(page)]

@@ -174,13 +174,15 @@ def test_the_end_of_the_range_is_where_it_was_moved_to(compliant) -> None:
     slack = measures_of_values(p, name)["slack_angle_tri"]
     rise = both(p, high) - both(p, low)
     truth = {
-        "end_torque": both(p, high), "end_stiffness": (both(p, high) - both(p, high - 10.0)) / 10.0,
+        "end_torque": both(p, high),
+        "end_stiffness": (both(p, high) - both(p, high - 10.0)) / 10.0,
         "end_stiffness_tib": (torque(p, "tib", high - 10.0) - torque(p, "tib", high)) / 10.0,
-        "end_torque_tri": torque(p, "tri", high), "torque_rise": rise,
+        "end_torque_tri": torque(p, "tri", high),
+        "torque_rise": rise,
         "slack_before_end_tri": high - slack,
         "optimum_before_end_tri": high - optimal_angle(p, "tri"),
         "optimum_before_end_tib": optimal_angle(p, "tib") - low,
-    }  # fmt: skip
+    }
     for each in DEFINITIONS:
         if each.name in truth:
             assert each.value(leg, np.inf) == pytest.approx(truth[each.name], rel=5e-3), each.name
@@ -208,10 +210,12 @@ def test_stiffness_is_of_the_joint_and_not_of_its_muscles_alone(off) -> None:
 
     told = {each.name: each for each in DEFINITIONS}
     wanted = {
-        "passive_torque": joint(10.0), "passive_stiffness": slope(joint, 10.0),
+        "passive_torque": joint(10.0),
+        "passive_stiffness": slope(joint, 10.0),
         "passive_torque_tri": torque(p, "tri", 10.0 + np.degrees(off)),
-        "neutral_angle": optimize.brentq(joint, -60, 40), "joint_stiffness": np.radians(2.0),
-    }  # fmt: skip
+        "neutral_angle": optimize.brentq(joint, -60, 40),
+        "joint_stiffness": np.radians(2.0),
+    }
     for name, value in wanted.items():
         assert told[name].value(leg, 10.0) == pytest.approx(value, rel=5e-3), name
     end = 15.0 - np.degrees(off)
@@ -356,8 +360,9 @@ def test_the_end_of_a_movement_is_where_the_ankle_was() -> None:
     whole = {n: v for n, v in random_leg(2).items() if not n.startswith(("dlt", "pt"))}
     spec = get_model("muscle")
     forward, up = 0.01, -0.005
-    leg = Leg(spec, ModelOptions(), whole | {"axis_forward": forward, "axis_up": up},
-              moved=(-30.0, 20.0))  # fmt: skip
+    leg = Leg(
+        spec, ModelOptions(), whole | {"axis_forward": forward, "axis_up": up}, moved=(-30.0, 20.0)
+    )
 
     def turned(degrees: float) -> float:
         strap = 0.15 * np.exp(1j * np.radians(degrees)) - complex(forward, up)

@@ -113,8 +113,15 @@ def test_the_zero_of_the_angle_is_in_what_is_told_at_an_angle_and_in_nothing_els
         for sd, width in halves.items():
             expected = (sd / 2.5) ** 2 * more
             assert width**2 - known**2 == pytest.approx(expected, rel=0.05), (name, sd)
-    for name in ("end_torque", "end_stiffness", "torque_rise", "slack_before_end_tri",
-                 "optimum_before_end_tri", "bandwidth", "tissue_share"):  # fmt: skip
+    for name in (
+        "end_torque",
+        "end_stiffness",
+        "torque_rise",
+        "slack_before_end_tri",
+        "optimum_before_end_tri",
+        "bandwidth",
+        "tissue_share",
+    ):
         halves = linear(name)
         assert len(halves) >= 3, name
         assert list(halves.values()) == pytest.approx([halves[2.5]] * len(halves), rel=1e-6), name

@@ -52,10 +52,15 @@ def sampled(inputs: ModelInputs, rate_hz: float, emg: np.ndarray | None = None) 
     angle = make_interp_spline(inputs.time, inputs.angle, k=5)
     emg = inputs.emg if emg is None else emg
     return replace(
-        inputs, rate_hz=rate_hz, time=t, angle=angle(t), velocity=angle.derivative(1)(t),
-        acceleration=angle.derivative(2)(t), torque=None,
+        inputs,
+        rate_hz=rate_hz,
+        time=t,
+        angle=angle(t),
+        velocity=angle.derivative(1)(t),
+        acceleration=angle.derivative(2)(t),
+        torque=None,
         emg=np.column_stack([np.interp(t, inputs.time, channel) for channel in emg.T]),
-    )  # fmt: skip
+    )
 
 
 def reference(folder: Path, name: str) -> tuple[ModelInputs, ModelOptions, np.ndarray]:
@@ -63,9 +68,16 @@ def reference(folder: Path, name: str) -> tuple[ModelInputs, ModelOptions, np.nd
     table = np.loadtxt(folder / f"{name}.csv", delimiter=",", skiprows=1)
     time, zero = table[:, 0], np.zeros(len(table))
     recorded = ModelInputs(
-        name=name, rate_hz=1 / (time[1] - time[0]), time=time, angle=table[:, 1], velocity=zero,
-        acceleration=zero, emg=table[:, 3:7], emg_unit="V", torque=None,
-    )  # fmt: skip
+        name=name,
+        rate_hz=1 / (time[1] - time[0]),
+        time=time,
+        angle=table[:, 1],
+        velocity=zero,
+        acceleration=zero,
+        emg=table[:, 3:7],
+        emg_unit="V",
+        torque=None,
+    )
     options = ModelOptions.of(**case["options"])
     p = SPEC.vector(case["parameters"], options)
     inputs = replace(sampled(recorded, recorded.rate_hz), torque=table[:, 2])

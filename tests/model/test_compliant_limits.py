@@ -28,8 +28,9 @@ def vector(**changes: float) -> np.ndarray:
     return SPEC.vector({**STARTS, "k_tri": 200.0, "x0_tri": 0.018, **changes}, ModelOptions())
 
 
-def residual(simulator: MuscleTendonSimulator, p: np.ndarray, inputs: ModelInputs,
-             options: ModelOptions) -> float:  # fmt: skip
+def residual(
+    simulator: MuscleTendonSimulator, p: np.ndarray, inputs: ModelInputs, options: ModelOptions
+) -> float:
     """Largest force the balance (25)(26) misses, beside the forces in it."""
     state = simulator.tendon(p)
     step = ActivationFilter(f0=p[F0], beta=p[BETA], dt=1 / inputs.rate_hz, lags=(0.0,))
@@ -83,10 +84,14 @@ def test_passive_muscle_is_in_equilibrium_with_its_tendon(make_inputs) -> None:
     curve = tendon_curve(0.04, 0.3, 4.0, 8000.0)
     rigid = 0.118 - 1.67 * (0.0480 - 0.0104 * inputs.angle)
     expected = [
-        brentq(lambda e, r=r: tendon_force(e, curve)[0] - np.exp(200 * (r - e - 0.018)), 0, 0.1,
-               xtol=1e-16)
+        brentq(
+            lambda e, r=r: tendon_force(e, curve)[0] - np.exp(200 * (r - e - 0.018)),
+            0,
+            0.1,
+            xtol=1e-16,
+        )
         for r in rigid
-    ]  # fmt: skip
+    ]
     assert state.elongation[0] == pytest.approx(expected, rel=1e-9)
 
 
@@ -114,10 +119,16 @@ def test_both_slack_after_a_fast_release() -> None:
     time = np.arange(n) / rate
     s = np.clip((time - 2.0) / 0.15, 0, 1)
     inputs = ModelInputs(
-        name="released", rate_hz=rate, time=time, angle=0.5 - 1.2 * s**2 * (3 - 2 * s),
-        velocity=-7.2 * s * (1 - s) / 0.15, acceleration=np.zeros(n), emg=np.zeros((n, 4)),
-        emg_unit="V", torque=None,
-    )  # fmt: skip
+        name="released",
+        rate_hz=rate,
+        time=time,
+        angle=0.5 - 1.2 * s**2 * (3 - 2 * s),
+        velocity=-7.2 * s * (1 - s) / 0.15,
+        acceleration=np.zeros(n),
+        emg=np.zeros((n, 4)),
+        emg_unit="V",
+        torque=None,
+    )
     simulator = MuscleTendonSimulator(inputs, ModelOptions())
     p = vector(k_rel=1.5)
     state = simulator.tendon(p)

@@ -35,10 +35,13 @@ def table_of(options: ModelOptions, *, tolerance: float = 0.05, slack: bool = Tr
     angle = np.radians(DEGREES)
     both = paths(angle=angle, velocity=np.zeros_like(angle), options=options)
     return GeometryTable(
-        "thesis.csv", tuple(angle.tolist()),
+        "thesis.csv",
+        tuple(angle.tolist()),
         tuple(tuple(p.length.tolist()) for p in both),
-        tuple(tuple(p.arm.tolist()) for p in both), tolerance, slack,
-    )  # fmt: skip
+        tuple(tuple(p.arm.tolist()) for p in both),
+        tolerance,
+        slack,
+    )
 
 
 def csv_of(table: GeometryTable, path, *notes: str):
@@ -283,9 +286,11 @@ def test_what_is_no_geometry_is_refused(change, said):
 def test_a_movement_beyond_the_table_is_refused(trial):
     keep = slice(8, -4)  # −20° to 20°
     narrow = GeometryTable(
-        "narrow.csv", BENT.angle[keep], tuple(r[keep] for r in BENT.length),
+        "narrow.csv",
+        BENT.angle[keep],
+        tuple(r[keep] for r in BENT.length),
         tuple(r[keep] for r in BENT.arm),
-    )  # fmt: skip
+    )
     with pytest.raises(InputError, match=r"known from -20° to 20°; give a table"):
         surae.fit(trial, model="muscle", geometry=narrow)
 

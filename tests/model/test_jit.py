@@ -329,9 +329,12 @@ print(compiled)
 @pytest.mark.slow
 def test_a_first_fit_compiles_nothing_that_was_not_compiled_ahead(tmp_path) -> None:
     done = subprocess.run(
-        [sys.executable, "-c", FIRST_FIT], capture_output=True, text=True, check=True,
+        [sys.executable, "-c", FIRST_FIT],
+        capture_output=True,
+        text=True,
+        check=True,
         env={**os.environ, "SURAE_CACHE": str(tmp_path / "cache")},
-    )  # fmt: skip
+    )
     assert done.stdout.split("\n")[-2] == "[]"
     files = [path.name for path in (tmp_path / "cache").rglob("*.py*") if path.is_file()]
     kernels = [name.split("-")[0] for name in files]

@@ -32,10 +32,22 @@ pytestmark = pytest.mark.usefixtures("few")
 FILES = Path(__file__).parents[2] / "examples" / "wrist"
 WRIST = {"joint": str(FILES / "joint.toml"), "geometry": str(FILES / "geometry.csv")}
 TRUTH = {
-    "m": 0.5, "k_tri": 160.0, "k_tib": 140.0, "x0_tri": 0.043, "x0_tib": 0.046, "tau_rel": 2.0,
-    "k_rel": 0.3, "g1": 5e5, "g2": 3e5, "g3": 6e5, "g4": 0.0, "l0_tri": 0.062, "l0_tib": 0.064,
-    "f0": 2.2, "beta": 1.0,
-}  # fmt: skip
+    "m": 0.5,
+    "k_tri": 160.0,
+    "k_tib": 140.0,
+    "x0_tri": 0.043,
+    "x0_tib": 0.046,
+    "tau_rel": 2.0,
+    "k_rel": 0.3,
+    "g1": 5e5,
+    "g2": 3e5,
+    "g3": 6e5,
+    "g4": 0.0,
+    "l0_tri": 0.062,
+    "l0_tib": 0.064,
+    "f0": 2.2,
+    "beta": 1.0,
+}
 #: What nobody may read of a wrist.
 OF_THE_ANKLE = re.compile(
     r"\b(ankles?|foot|feet|footplate|legs?|calf|calves|shank|heel|sole|triceps|tibialis|soleus"
@@ -101,8 +113,10 @@ def test_nothing_that_is_read_speaks_of_an_ankle(fit, tmp_path, capsys) -> None:
     fit.report(tmp_path / "fit.html")
     text = read_of(tmp_path / "fit.html")
     told = [*text.split("."), *str(fit.summary()).splitlines()]
-    told += [f"{p.meaning} {p.advice}" for p in adapted(
-        get_model("muscle-tendon").parameters, fit.result.problem.options).values()]  # fmt: skip
+    told += [
+        f"{p.meaning} {p.advice}"
+        for p in adapted(get_model("muscle-tendon").parameters, fit.result.problem.options).values()
+    ]
     fit.save(tmp_path / "fit.json")
     surae.cli.group.main(["measures", str(tmp_path / "fit.json")], standalone_mode=False)
     measured = capsys.readouterr().out
@@ -120,8 +134,9 @@ def test_nothing_that_is_read_speaks_of_an_ankle(fit, tmp_path, capsys) -> None:
 #: Literals that nobody reads: keys, and what names in files are recognised by; and the source of a
 #: prior that is about heels.
 UNREAD = {
-    ("quality/torque.py", "achilles"), ("model/sources.py", "heel"),
-}  # fmt: skip
+    ("quality/torque.py", "achilles"),
+    ("model/sources.py", "heel"),
+}
 
 
 @cache
@@ -168,9 +183,12 @@ def test_its_constants_reach_the_model(fit) -> None:
     table = adapted(get_model("muscle-tendon").parameters, options)
     for name in STATED:
         assert (table[name].start, table[name].upper) == (
-            wrist.parameters[name].start, wrist.parameters[name].upper)  # fmt: skip
-    assert adapted(get_model("muscle-tendon").parameters, replace(
-        options, tendon_strain="slack-length"))["dlt_tib"].start == pytest.approx(0.05)  # fmt: skip
+            wrist.parameters[name].start,
+            wrist.parameters[name].upper,
+        )
+    assert adapted(
+        get_model("muscle-tendon").parameters, replace(options, tendon_strain="slack-length")
+    )["dlt_tib"].start == pytest.approx(0.05)
     assert laboratory(joint=wrist)["torque_zero"].sd == 0.5
     assert laboratory({"zero": (0.0, 3.0)}, joint=wrist)["torque_zero"].sd == 3.0
     inputs = fit.result.problem.inputs[0]

@@ -56,12 +56,20 @@ VALUES = {
     **{name: 0.01 for group in OPTIONAL if group.startswith("film_") for name in OPTIONAL[group]},
 }
 CURVES = {
-    "fl_short_tri": 0.3, "fl_short_tib": -0.2, "fl_long_tri": 0.4, "fl_long_tib": 0.1,
-    "fv_speed": 0.2, "fv_curve": -0.3, "fv_stretch": 0.25,
-    "bridge_stiffness": 20.0, "bridge_reach": 0.01,
-    "reflex_length_tri": 2e4, "reflex_length_tib": 1e4,
-    "reflex_force_tri": 0.05, "reflex_force_tib": 0.02,
-}  # fmt: skip
+    "fl_short_tri": 0.3,
+    "fl_short_tib": -0.2,
+    "fl_long_tri": 0.4,
+    "fl_long_tib": 0.1,
+    "fv_speed": 0.2,
+    "fv_curve": -0.3,
+    "fv_stretch": 0.25,
+    "bridge_stiffness": 20.0,
+    "bridge_reach": 0.01,
+    "reflex_length_tri": 2e4,
+    "reflex_length_tib": 1e4,
+    "reflex_force_tri": 0.05,
+    "reflex_force_tib": 0.02,
+}
 STARTS = {p.name: p.start for p in OPTIONAL_PARAMETERS}  # all are off there
 ALONE = {name for group in COMPLIANT_ALONE for name in OPTIONAL[group]}
 #: One of each class; those of compliant tendons differ in what is free (test_compliant.py).

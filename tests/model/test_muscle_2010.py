@@ -19,9 +19,17 @@ ALL = range(10)
 THESIS = ModelOptions()
 
 HEALTHY = {
-    "m": 2.0, "k_tri": 200.0, "x0_tri": 0.018, "e1": 0.6e6, "e2": 0.9e6, "e3": 1.3e6, "e4": 1.0e6,
-    "f": 2.0, "b_tri": 400.0, "F0": -8.0,
-}  # fmt: skip
+    "m": 2.0,
+    "k_tri": 200.0,
+    "x0_tri": 0.018,
+    "e1": 0.6e6,
+    "e2": 0.9e6,
+    "e3": 1.3e6,
+    "e4": 1.0e6,
+    "f": 2.0,
+    "b_tri": 400.0,
+    "F0": -8.0,
+}
 NO_MUSCLE = {"e1": 0.0, "e2": 0.0, "e3": 0.0, "e4": 0.0, "b_tri": 0.0, "F0": 0.0}
 VIRTUAL_WORK = {"geometry": "virtual-work"}
 CASES = {
@@ -52,9 +60,16 @@ def still(seconds: float = 4.0, angle: float = 0.0, speed: float = 0.0, **emg: f
     n, zero = int(100 * seconds), np.zeros(int(100 * seconds))
     levels = [emg.get(muscle, 0.0) for muscle in ("ta", "gl", "sol", "gm")]
     return ModelInputs(
-        "still", 100.0, np.arange(n) / 100, zero + angle, zero + speed, zero,
-        np.tile(levels, (n, 1)), "V", None,
-    )  # fmt: skip
+        "still",
+        100.0,
+        np.arange(n) / 100,
+        zero + angle,
+        zero + speed,
+        zero,
+        np.tile(levels, (n, 1)),
+        "V",
+        None,
+    )
 
 
 def integrated_textbook(emg: np.ndarray, rate: float) -> np.ndarray:
@@ -107,8 +122,13 @@ def test_the_model_has_the_ten_parameters_in_order() -> None:
     assert list(SPEC.names) == list(SPEC.free) == TEN
     assert [SPEC.parameters[i].unit for i in (8, 9)] == ["N·s/m", "N"]
     assert [p.group for p in SPEC.parameters] == [
-        "limb", "passive", "passive", *["active"] * 5, "passive", "passive",
-    ]  # fmt: skip
+        "limb",
+        "passive",
+        "passive",
+        *["active"] * 5,
+        "passive",
+        "passive",
+    ]
 
 
 def test_its_title_says_what_it_is() -> None:
@@ -232,11 +252,15 @@ def test_weights_of_a_normalised_envelope_are_forces() -> None:
 @pytest.mark.parametrize(
     ("rate", "seconds", "message"),
     [
-        (6.0, 60.0, "slow: 6 Hz is too slow for the model of 2010, which integrates EMG by a "
-                    "low-pass at 3 Hz; sample above 6.67 Hz"),
+        (
+            6.0,
+            60.0,
+            "slow: 6 Hz is too slow for the model of 2010, which integrates EMG by a "
+            "low-pass at 3 Hz; sample above 6.67 Hz",
+        ),
         (128.0, 0.3, "slow: integrated EMG: 38 samples (0.297 s) are too few for a filter at 3 Hz"),
     ],
-)  # fmt: skip
+)
 def test_a_recording_that_cannot_be_integrated(make_inputs, rate, seconds, message) -> None:
     inputs = replace(make_inputs(0, rate_hz=rate, seconds=seconds), name="slow")
     with pytest.raises(InputError, match=f"^{re.escape(message)}"):

@@ -23,10 +23,16 @@ def ramp(speed: float, *, start: float = 0.5, rate_hz: float = 256.0) -> ModelIn
     angle = np.clip(speed * (time - start), -0.6, 0.6) * (time > start)
     moving = (time > start) & (np.abs(angle) < 0.6)
     return ModelInputs(
-        name="ramp", rate_hz=rate_hz, time=time, angle=angle,
-        velocity=np.where(moving, speed, 0.0), acceleration=np.zeros_like(time),
-        emg=np.zeros((len(time), 4)), emg_unit="V", torque=None,
-    )  # fmt: skip
+        name="ramp",
+        rate_hz=rate_hz,
+        time=time,
+        angle=angle,
+        velocity=np.where(moving, speed, 0.0),
+        acceleration=np.zeros_like(time),
+        emg=np.zeros((len(time), 4)),
+        emg_unit="V",
+        torque=None,
+    )
 
 
 def tied(name: str, inputs: ModelInputs, options: ModelOptions = OPTIONS, **values: float):

@@ -12,9 +12,22 @@ from surae.model.parameters import MUSCLE_PARAMETERS
 
 #: In the order of the specification.
 FIFTEEN = [
-    "m", "k_tri", "k_tib", "x0_tri", "x0_tib", "tau_rel", "k_rel", "g1", "g2", "g3", "g4",
-    "l0_tri", "l0_tib", "f0", "beta",
-]  # fmt: skip
+    "m",
+    "k_tri",
+    "k_tib",
+    "x0_tri",
+    "x0_tib",
+    "tau_rel",
+    "k_rel",
+    "g1",
+    "g2",
+    "g3",
+    "g4",
+    "l0_tri",
+    "l0_tib",
+    "f0",
+    "beta",
+]
 THESIS = ModelOptions()
 MUSCLE = get_model("muscle")
 GIVEN = {p.name: p.start for p in MUSCLE_PARAMETERS}
@@ -63,10 +76,16 @@ def test_starts_are_within_bounds_that_are_physical(name, variant) -> None:
 
 def test_bounds_contain_the_plausible_values_of_the_specification() -> None:
     plausible = {
-        "m": (1.2, 3.0), "k_tri": (200, 220), "x0_tri": (0.014, 0.018), "tau_rel": (1, 10),
-        "k_rel": (0.1, 0.6), "l0_tri": (0.038, 0.050), "l0_tib": (0.066, 0.09), "f0": (2, 2),
+        "m": (1.2, 3.0),
+        "k_tri": (200, 220),
+        "x0_tri": (0.014, 0.018),
+        "tau_rel": (1, 10),
+        "k_rel": (0.1, 0.6),
+        "l0_tri": (0.038, 0.050),
+        "l0_tib": (0.066, 0.09),
+        "f0": (2, 2),
         "g2": (0.3e6, 4e6),
-    }  # fmt: skip
+    }
     table = adapted(MUSCLE_PARAMETERS, THESIS)
     for name, (low, high) in plausible.items():
         assert table[name].lower <= low <= high <= table[name].upper, name

@@ -17,14 +17,30 @@ NAMES = list(SPEC.names)
 ALL = range(len(NAMES))
 
 HEALTHY = {
-    "m": 2.0, "k_tri": 200.0, "k_tib": 110.0, "x0_tri": 0.018, "x0_tib": 0.055,
-    "tau_rel": 2.0, "k_rel": 0.4, "g1": 0.6e6, "g2": 0.9e6, "g3": 1.3e6, "g4": 1.0e6,
-    "l0_tri": 0.045, "l0_tib": 0.075, "f0": 2.0, "beta": 1.0,
-}  # fmt: skip
+    "m": 2.0,
+    "k_tri": 200.0,
+    "k_tib": 110.0,
+    "x0_tri": 0.018,
+    "x0_tib": 0.055,
+    "tau_rel": 2.0,
+    "k_rel": 0.4,
+    "g1": 0.6e6,
+    "g2": 0.9e6,
+    "g3": 1.3e6,
+    "g4": 1.0e6,
+    "l0_tri": 0.045,
+    "l0_tib": 0.075,
+    "f0": 2.0,
+    "beta": 1.0,
+}
 LONGER = {
-    "k_tri": 60.0, "k_tib": 70.0, "x0_tri": 0.030, "x0_tib": 0.075,
-    "l0_tri": 0.080, "l0_tib": 0.105,
-}  # fmt: skip
+    "k_tri": 60.0,
+    "k_tib": 70.0,
+    "x0_tri": 0.030,
+    "x0_tib": 0.075,
+    "l0_tri": 0.080,
+    "l0_tib": 0.105,
+}
 VIRTUAL_WORK = {"geometry": "virtual-work"}
 CASES = {
     "healthy": ({}, {}, 256.0),
@@ -174,9 +190,16 @@ def held(angle: float, seconds: float, rate_hz: float = 256.0) -> ModelInputs:
     n = round(seconds * rate_hz)
     zero = np.zeros(n)
     return ModelInputs(
-        name="held", rate_hz=rate_hz, time=np.arange(n) / rate_hz, angle=np.full(n, angle),
-        velocity=zero, acceleration=zero, emg=np.zeros((n, 4)), emg_unit="V", torque=None,
-    )  # fmt: skip
+        name="held",
+        rate_hz=rate_hz,
+        time=np.arange(n) / rate_hz,
+        angle=np.full(n, angle),
+        velocity=zero,
+        acceleration=zero,
+        emg=np.zeros((n, 4)),
+        emg_unit="V",
+        torque=None,
+    )
 
 
 def released(rate_hz: float = 256.0) -> ModelInputs:
@@ -260,9 +283,11 @@ def test_read_only_and_strided_arrays_do_not_compile_again(make_inputs) -> None:
     MuscleSimulator(inputs, ModelOptions()).parts(p)
     MuscleSimulator(inputs, ModelOptions()).torque(p)
     used = (
-        rigid.rigid_torque, rigid.rigid_forces, activation._respond,
+        rigid.rigid_torque,
+        rigid.rigid_forces,
+        activation._respond,
         activation._respond_with_derivatives,
-    )  # fmt: skip
+    )
     before = [len(kernel.signatures) for kernel in used]
     emg = np.asfortranarray(inputs.emg)
     emg.flags.writeable = False

@@ -42,8 +42,10 @@ def test_two_that_disagree_are_as_far_off_as_they_are_apart() -> None:
 def test_right_statements_contradict_each_other_as_rarely_as_is_said_and_intervals_hold() -> None:
     rng, far, held = np.random.default_rng(8), 0, 0
     for _ in range(4000):
-        first, second = ({g: (x, 3.0) for g, x in zip("ab", rng.normal(0.0, 3.0, 2), strict=True)}
-                         for _ in range(2))  # fmt: skip
+        first, second = (
+            {g: (x, 3.0) for g, x in zip("ab", rng.normal(0.0, 3.0, 2), strict=True)}
+            for _ in range(2)
+        )
         pooled = Pooled.of("axis", first, second)
         far += pooled.agrees is False
         held += abs(pooled.numbers["a"][0]) < 1.96 * pooled.numbers["a"][1]

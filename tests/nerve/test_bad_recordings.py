@@ -166,7 +166,8 @@ def test_stretches_whose_torque_is_at_its_limit_are_left_out() -> None:
     recording, _ = stretched()
     x, y = (recording.channels[n].values for n in ("angle", "torque"))
     limit = np.quantile(y, 0.98)
-    found = surae.stretches(Recording.from_arrays(
-        recording.channels["angle"].time, x, np.minimum(y, limit), name="x"))  # fmt: skip
+    found = surae.stretches(
+        Recording.from_arrays(recording.channels["angle"].time, x, np.minimum(y, limit), name="x")
+    )
     assert "at its limit" in found.notes[0]
     assert all(s.peak_torque_Nm < np.ptp(y) for s in found.stretches)

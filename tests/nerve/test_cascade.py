@@ -42,11 +42,42 @@ def test_derivatives_are_those_of_finite_differences(ankle, direction, order) ->
     )
     problem = Problem([piece], noise_of([piece], [piece.bins(piece.torque)]))
     structure = Structure(
-        "", 2, True, direction, threshold=True, trend=True, length=3.0, lead=0.01, third=True,
+        "",
+        2,
+        True,
+        direction,
+        threshold=True,
+        trend=True,
+        length=3.0,
+        lead=0.01,
+        third=True,
         order=order,
-    )  # fmt: skip
-    q = dict(zip(structure.names, [1e-3, 30.0, 0.02, 0.2, 0.045, 18.0, 0.8, 70.0, 0.05, 60.0, 0.8,
-                                   0.015, 20.0, 5.0, 1.0, 0.3, 6.0], strict=True))  # fmt: skip
+    )
+    q = dict(
+        zip(
+            structure.names,
+            [
+                1e-3,
+                30.0,
+                0.02,
+                0.2,
+                0.045,
+                18.0,
+                0.8,
+                70.0,
+                0.05,
+                60.0,
+                0.8,
+                0.015,
+                20.0,
+                5.0,
+                1.0,
+                0.3,
+                6.0,
+            ],
+            strict=True,
+        )
+    )
     _, j = problem.jacobian(structure, q)
     for k, name in enumerate(structure.names):
         h = 1e-5 * max(abs(q[name]), 1e-3)

@@ -25,9 +25,16 @@ def trial(gain: float = 1e-5, *, effort: float = 5e-5, seed: int = 1) -> ModelIn
     emg[:, 2] += gain * late
     emg[(time > 32.0) & (time < 36.0), 2] += effort
     return ModelInputs(
-        name="ramps", rate_hz=RATE, time=time, angle=np.cumsum(velocity) / RATE, velocity=velocity,
-        acceleration=np.zeros_like(time), emg=read_only(emg), emg_unit="V", torque=None,
-    )  # fmt: skip
+        name="ramps",
+        rate_hz=RATE,
+        time=time,
+        angle=np.cumsum(velocity) / RATE,
+        velocity=velocity,
+        acceleration=np.zeros_like(time),
+        emg=read_only(emg),
+        emg_unit="V",
+        torque=None,
+    )
 
 
 def test_what_answers_stretch_is_found_and_effort_is_not() -> None:

@@ -15,9 +15,11 @@ from surae_nerve.session import of_session
 
 FAST = StretchTorque("dorsiflexion", 200.0, 14.0, 5.0, 1.0, 6.0, (5.0, 7.0))
 PRESENT = Nerve(
-    reflex="present", direction="plantarflexion", share=IntervalEstimate(8.86, (8.0, 9.8)),
+    reflex="present",
+    direction="plantarflexion",
+    share=IntervalEstimate(8.86, (8.0, 9.8)),
     stiffness=IntervalEstimate(57.3, (55.0, 60.0)),
-)  # fmt: skip
+)
 
 
 def said(nerve, language="en"):
@@ -49,20 +51,26 @@ def test_the_fastest_stretches_lead_and_perturbations_follow() -> None:
 @pytest.mark.parametrize(
     ("nerve", "headline"),
     [
-        (Nerve((replace(FAST, neural=None, ci95=(0.0, 14.0), heard=False),)),
-         "Cannot tell without EMG"),
+        (
+            Nerve((replace(FAST, neural=None, ci95=(0.0, 14.0), heard=False),)),
+            "Cannot tell without EMG",
+        ),
         (Nerve((replace(FAST, neural=None, ci95=(2.0, 9.0)),)), "Cannot tell 2.0 to 9.0 Nm"),
-        (Nerve((FAST, replace(FAST, neural=None, ci95=(0.0, 14.0), heard=False))),
-         "Cannot tell without EMG"),
+        (
+            Nerve((FAST, replace(FAST, neural=None, ci95=(0.0, 14.0), heard=False))),
+            "Cannot tell without EMG",
+        ),
         (Nerve((replace(FAST, neural=0.0, ci95=(0.0, 1.2)),)), "No reflex seen at most 1.2"),
         (Nerve((replace(FAST, neural=1.0, ci95=(0.0, 2.0)),)), "Cannot tell 0 to 2.0 Nm"),
         (Nerve((replace(FAST, direction="plantarflexion"),)), "Cannot tell these recordings"),
         (replace(PRESENT, reflex="cannot tell", direction=None), "Cannot tell small random"),
-        (replace(PRESENT, reflex="none seen", share=IntervalEstimate(None, (0.0, 1.1))),
-         "No reflex seen in small random movements: at most 1.1 %"),
+        (
+            replace(PRESENT, reflex="none seen", share=IntervalEstimate(None, (0.0, 1.1))),
+            "No reflex seen in small random movements: at most 1.1 %",
+        ),
         (Nerve(problems=("a.csv: too short",)), "Cannot tell these recordings"),
     ],
-)  # fmt: skip
+)
 def test_nothing_is_claimed_that_was_not_told(nerve, headline) -> None:
     texts, _ = said(nerve)
     assert texts[0].startswith(headline)
@@ -84,10 +92,11 @@ def test_a_session_fits_no_muscles_to_perturbations_and_finds_series_of_stretche
     small, slow, fast = (
         replace(each, name=name)
         for name, each in (
-            ("small", Ankle(seconds=30.0).recording()), ("slow", ramps((10.0, 10.0))),
+            ("small", Ankle(seconds=30.0).recording()),
+            ("slow", ramps((10.0, 10.0))),
             ("fast", ramps((120.0, 120.0), neural=6.0)),
         )
-    )  # fmt: skip
+    )
     leg = surae.session([small, slow, fast])
     assert (leg["small"].use, leg.fitted) == ("nerve", ("slow", "fast"))
     told = nerve_of(leg.trials)

@@ -11,8 +11,11 @@ from surae_nerve.change import nerve_change, of_files
 def saved(stiffness, ci, torque=5.0):
     measure = {"value": stiffness, "ci95": ci}
     none = {"value": None, "ci95": [0.0, None]}
-    return {"measures": {"intrinsic_stiffness": measure, "reflex_gain": none},
-            "recordings": [{"mean_torque": torque}], "reflex": {}}  # fmt: skip
+    return {
+        "measures": {"intrinsic_stiffness": measure, "reflex_gain": none},
+        "recordings": [{"mean_torque": torque}],
+        "reflex": {},
+    }
 
 
 @pytest.mark.parametrize(("after", "verdict"), [(66.0, "changed"), (61.0, "no change shown")])

@@ -37,8 +37,10 @@ def test_nothing_of_a_page_of_stretches_is_left_in_english(told, language) -> No
 
 
 def test_a_note_keeps_its_values_in_every_language() -> None:
-    note = Message("Left out: {what}.", what=Message("{seconds:.2g} s {what}", seconds=1.5,
-                                                     what=Message("without samples")))  # fmt: skip
+    note = Message(
+        "Left out: {what}.",
+        what=Message("{seconds:.2g} s {what}", seconds=1.5, what=Message("without samples")),
+    )
     assert note == "Left out: 1.5 s without samples."
     assert words_in("nl")(note) == "Weggelaten: 1,5 s zonder meetpunten."
     threshold = StretchThreshold(None, None, "undetermined", note)

@@ -128,9 +128,16 @@ def test_an_answer_by_will_is_no_reflex_but_clonus_is(lasts, every, told) -> Non
     emg[:, 1:] += 5e-5 * late[:, None]
     keep = np.exp(-25.0 * (time[1] - time[0]))
     pull = lfilter([(1.0 - keep) ** 2], [1.0, -2.0 * keep, keep**2], 4.0 * late)
-    found = surae.stretches(Recording.from_arrays(
-        time, x.values, torque.values + pull, name="late", emg_kind="envelope", emg=emg,
-    ))  # fmt: skip
+    found = surae.stretches(
+        Recording.from_arrays(
+            time,
+            x.values,
+            torque.values + pull,
+            name="late",
+            emg_kind="envelope",
+            emg=emg,
+        )
+    )
     fast = [s for s in calf(found) if s.speed_deg_s > 100.0]
     assert len(fast) == 4
     if told:
@@ -148,9 +155,13 @@ def beside(made: Recording, torque) -> Recording:
     v = np.gradient(angle.values, angle.time)
     emg = np.column_stack([made.channels[f"emg_{m}"].values for m in MUSCLES])
     return Recording.from_arrays(
-        angle.time, angle.values, made.channels["torque"].values + torque(angle.values, v),
-        name="beside", emg_kind="envelope", emg=emg,
-    )  # fmt: skip
+        angle.time,
+        angle.values,
+        made.channels["torque"].values + torque(angle.values, v),
+        name="beside",
+        emg_kind="envelope",
+        emg=emg,
+    )
 
 
 def test_what_is_wrong_in_all_repeats_alike_widens_the_interval() -> None:
@@ -186,9 +197,16 @@ def test_torque_that_is_no_line_over_emg_is_in_the_interval() -> None:
     emg = np.column_stack([made.channels[f"emg_{m}"].values for m in MUSCLES])
     t, x, torque = made.channels["angle"].time, made.channels["angle"], made.channels["torque"]
     bent = emg.max() * (emg / emg.max()) ** 1.6
-    found = surae.stretches(Recording.from_arrays(
-        t, x.values, torque.values, name="bent", emg_kind="envelope", emg=bent,
-    ))  # fmt: skip
+    found = surae.stretches(
+        Recording.from_arrays(
+            t,
+            x.values,
+            torque.values,
+            name="bent",
+            emg_kind="envelope",
+            emg=bent,
+        )
+    )
     for s in calf(found)[4:]:
         low, high = s.neural_ci95
         assert low < 6.0 < high

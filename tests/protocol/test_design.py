@@ -201,12 +201,19 @@ def test_patients_have_a_range_of_their_own() -> None:
 @pytest.mark.parametrize(
     "change",
     [
-        {"duration": 1.0}, {"duration": 5000.0}, {"angle_range": (0.5, 0.4)},
+        {"duration": 1.0},
+        {"duration": 5000.0},
+        {"angle_range": (0.5, 0.4)},
         {"angle_range": (-0.02, 0.02)},
-        {"effort": "much"}, {"aim": "nothing"}, {"aim": "passive_stiffness@xdeg"},
-        {"device": "other"}, {"device": "missing.toml"}, {"rate_hz": 1.0}, {"evaluations": 0},
+        {"effort": "much"},
+        {"aim": "nothing"},
+        {"aim": "passive_stiffness@xdeg"},
+        {"device": "other"},
+        {"device": "missing.toml"},
+        {"rate_hz": 1.0},
+        {"evaluations": 0},
     ],
-)  # fmt: skip
+)
 def test_impossible_wishes_are_refused(change) -> None:
     with pytest.raises(InputError):
         surae.design(**{"duration": 20.0, **QUICK, **change})

@@ -27,8 +27,9 @@ def recorded(trajectory, seed, path, population="healthy"):
     subject = virtual_subject(seed, population)
     trial = virtual_trial(subject, trajectory, noise=0.0)
     torque = trial.torque + NOISE * np.random.default_rng(seed).standard_normal(trial.n)
-    table = np.column_stack([trial.time, trial.angle, torque, trial.emg,
-                             trial.velocity, trial.acceleration])  # fmt: skip
+    table = np.column_stack(
+        [trial.time, trial.angle, torque, trial.emg, trial.velocity, trial.acceleration]
+    )
     header = (
         "time_s,angle_rad,torque_Nm,emg_ta_V,emg_gl_V,emg_sol_V,emg_gm_V,"
         "angular_velocity_rad_s,angular_acceleration_rad_s2"
@@ -112,8 +113,9 @@ def test_twice_the_noise_is_twice_the_error_and_the_laboratory_adds_its_own() ->
 
 
 def test_nothing_is_claimed_where_nothing_is_told() -> None:
-    passive = surae.expect(motion(profile="ramp-and-hold", task="passive", chirp_amplitude=0.0),
-                           "muscle", legs=3)  # fmt: skip
+    passive = surae.expect(
+        motion(profile="ramp-and-hold", task="passive", chirp_amplitude=0.0), "muscle", legs=3
+    )
     # at rest the muscles' EMG is 1 µV: their optimal lengths are not determined
     for name in ("g2", "l0_tri", "f0", "beta"):
         assert passive.parameters[name].verdict == "undetermined"
@@ -140,12 +142,18 @@ def test_a_fit_is_a_leg_too(tmp_path) -> None:
         ("time_s,angle_rad\n0,0\n", "no column emg_ta"),
         ("time_s,angle_rad,emg_ta,emg_gl,emg_sol,emg_gm\n" + "0,x,0,0,0,0\n" * 20, "numbers"),
         ("time_s,angle_rad,emg_ta,emg_gl,emg_sol,emg_gm\n" + "0,0,0,0,0,0\n" * 20, "equal steps"),
-        ("time_s,angle_rad,emg_ta,emg_gl,emg_sol,emg_gm\n"
-         + "".join(f"{k},{k},0,0,0,0\n" for k in range(20)), "degrees"),
-        ("time_s,angle_rad,emg_ta,emg_gl,emg_sol,emg_gm\n"
-         + "".join(f"{k},0,50,0,0,0\n" for k in range(20)), "from 0 to 1"),
+        (
+            "time_s,angle_rad,emg_ta,emg_gl,emg_sol,emg_gm\n"
+            + "".join(f"{k},{k},0,0,0,0\n" for k in range(20)),
+            "degrees",
+        ),
+        (
+            "time_s,angle_rad,emg_ta,emg_gl,emg_sol,emg_gm\n"
+            + "".join(f"{k},0,50,0,0,0\n" for k in range(20)),
+            "from 0 to 1",
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_is_no_protocol_is_refused(tmp_path, text, complaint) -> None:
     (tmp_path / "p.csv").write_text(text)
     with pytest.raises(InputError, match=complaint):

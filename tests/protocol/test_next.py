@@ -30,8 +30,14 @@ def noisy(trajectory, seed, noise=0.5):
 @pytest.fixture(scope="module")
 def weak():
     """A fit of a short trial that tells little of the tibialis' tissue."""
-    settings = Protocol(profile="multiple-holds", duration=35.0, device=DEVICE,
-                        chirp_amplitude=0.1, rate_hz=64.0, angle_range=(-0.7, 0.5))  # fmt: skip
+    settings = Protocol(
+        profile="multiple-holds",
+        duration=35.0,
+        device=DEVICE,
+        chirp_amplitude=0.1,
+        rate_hz=64.0,
+        angle_range=(-0.7, 0.5),
+    )
     motion = generate(settings)
     return fit_inputs([noisy(motion, 4, 2.0)], surae.FitSettings("muscle", starts=1))
 
@@ -88,8 +94,9 @@ def test_what_trades_off_is_unknown_and_not_a_number() -> None:
 @pytest.fixture(scope="module")
 def relaxed():
     """A fit of a relaxed trial: nothing is known of what muscles do."""
-    settings = Protocol(profile="multiple-holds", task="passive", device=DEVICE,
-                        chirp_amplitude=0.1, rate_hz=64.0)  # fmt: skip
+    settings = Protocol(
+        profile="multiple-holds", task="passive", device=DEVICE, chirp_amplitude=0.1, rate_hz=64.0
+    )
     return fit_inputs([noisy(generate(settings), 4)], surae.FitSettings("muscle", starts=1))
 
 
@@ -128,8 +135,9 @@ def test_no_trial_mends_an_inadequate_fit(weak) -> None:
 
 
 def test_nothing_is_asked_for_where_all_is_known() -> None:
-    motion = generate(Protocol(profile="multiple-holds", device=DEVICE, chirp_amplitude=0.1,
-                               rate_hz=64.0))  # fmt: skip
+    motion = generate(
+        Protocol(profile="multiple-holds", device=DEVICE, chirp_amplitude=0.1, rate_hz=64.0)
+    )
     fit = fit_inputs([noisy(motion, 4, 0.02)], surae.FitSettings("muscle", starts=1))
     answer = surae.measure_next(fit)
     assert answer.protocol is None

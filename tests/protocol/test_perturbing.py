@@ -109,8 +109,14 @@ def test_promised_widths_are_those_of_recordings_that_others_made() -> None:
     time = np.arange(len(angle)) / 1000.0
     plain = telling("prbs", None, (-0.5, 0.5), 1000.0)
     speed = np.gradient(angle, time)
-    movement = replace(plain, time=time, angle=angle, velocity=speed, acceleration=speed,
-                       effort=np.zeros((len(time), 4)))  # fmt: skip
+    movement = replace(
+        plain,
+        time=time,
+        angle=angle,
+        velocity=speed,
+        acceleration=speed,
+        effort=np.zeros((len(time), 4)),
+    )
     own = {"stiffness": 60.0, "viscosity": 0.8, "inertia": 0.015}
     measures, _ = _of_perturbation(movement, {**USUAL, **own}, 0.15)
     names = {"intrinsic_stiffness": 60.0, "intrinsic_viscosity": 1.2, "inertia": 0.015}

@@ -22,9 +22,12 @@ AMPLITUDE = pytest.mark.parametrize("amplitude", [0.0, 0.2])
 )
 def test_never_leaves_the_range_of_motion_and_spans_it(name, amplitude, rate, low, rom):
     protocol = Protocol(
-        profile=name, chirp_amplitude=amplitude, chirp_rate=rate,
-        angle_range=(low, low + rom), rate_hz=2000.0,
-    )  # fmt: skip
+        profile=name,
+        chirp_amplitude=amplitude,
+        chirp_rate=rate,
+        angle_range=(low, low + rom),
+        rate_hz=2000.0,
+    )
     angle = generate(protocol).angle
     assert angle.min() >= low - 1e-9
     assert angle.max() <= low + rom + 1e-9

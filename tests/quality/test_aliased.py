@@ -16,8 +16,9 @@ def recorded(emg: np.ndarray, rate_hz: float) -> Recording:
     return Recording.from_arrays(time, angle, torque, np.stack([emg] * 4, axis=1), emg_kind="raw")
 
 
-@pytest.mark.parametrize(("every", "filtered", "told"), [(1, False, False), (8, False, True),
-                                                         (8, True, False)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("every", "filtered", "told"), [(1, False, False), (8, False, True), (8, True, False)]
+)
 def test_folded_emg_is_told_before_a_fit(every: int, filtered: bool, told: bool) -> None:
     rng, rate = np.random.default_rng(3), 2048.0
     time = np.arange(round(20.0 * rate)) / rate
@@ -58,8 +59,11 @@ def test_emg_that_is_clipped_on_an_offset_is_told(offset: float) -> None:
     for one_side in (np.minimum(emg, 2e-4), np.maximum(emg, -2e-4)):
         found = check_recording(recorded(one_side + offset, 1000.0)).findings
         assert "emg-clipped" in {f.code for f in found if f.channel == "emg_ta"}
-    assert not [f for f in check_recording(recorded(emg + offset, 1000.0)).findings
-                if f.code == "emg-clipped"]  # fmt: skip
+    assert not [
+        f
+        for f in check_recording(recorded(emg + offset, 1000.0)).findings
+        if f.code == "emg-clipped"
+    ]
 
 
 @pytest.mark.parametrize(("volts", "told"), [(2e-4, True), (3e-6, False)])

@@ -16,9 +16,15 @@ from surae.studies import virtual_subject, virtual_trial
 
 #: What says that a recording is not what it is said to be.
 CODES = {
-    "angle-sign", "torque-sign", "torque-unit", "emg-unit", "time-unit", "angle-units",
-    "angle-still", "torque-offset",
-}  # fmt: skip
+    "angle-sign",
+    "torque-sign",
+    "torque-unit",
+    "emg-unit",
+    "time-unit",
+    "angle-units",
+    "angle-still",
+    "torque-offset",
+}
 TRAJECTORY = generate(Protocol(profile="multiple-holds", chirp_amplitude=0.2, rate_hz=128.0))
 
 

@@ -58,29 +58,41 @@ def claims(recording: Recording) -> dict[str, surae.quality.Finding]:
 FAULTS = {
     "zero at 90°": (
         lambda r: changed(r, "angle", lambda v: v + np.pi / 2, DEGREES),
-        "angle-units", "--offset angle=-90.", "offset = -90 for the angle",
+        "angle-units",
+        "--offset angle=-90.",
+        "offset = -90 for the angle",
     ),
     "zero at 90°, turned": (
         lambda r: changed(r, "angle", lambda v: np.pi / 2 - v, DEGREES),
-        "angle-units", "--offset angle=-90 --sign angle=-1.", "offset = -90 and sign = -1",
+        "angle-units",
+        "--offset angle=-90 --sign angle=-1.",
+        "offset = -90 and sign = -1",
     ),
     "turned, in radians": (
         lambda r: changed(r, "angle", lambda v: np.pi / 2 - v),
-        "angle-units", "--offset angle=-1.5708 --sign angle=-1.", "offset = -1.5708",
+        "angle-units",
+        "--offset angle=-1.5708 --sign angle=-1.",
+        "offset = -1.5708",
     ),
     "wrapped": (
         lambda r: changed(r, "angle", lambda v: np.mod(v, 2 * np.pi), DEGREES),
-        "angle-units", "--wrap angle=360", "wrap = 360",
+        "angle-units",
+        "--wrap angle=360",
+        "wrap = 360",
     ),
     "swapped": (
         lambda r: swapped(r, "sol"),
-        "electrodes-swapped", "--swap ta:sol.", 'swap = ["ta", "sol"]',
+        "electrodes-swapped",
+        "--swap ta:sol.",
+        'swap = ["ta", "sol"]',
     ),
     "per kilogram": (
         lambda r: changed(r, "torque", lambda v: v / 50),
-        "torque-unit", "--scale torque=70.", "scale = 70 for the torque",
+        "torque-unit",
+        "--scale torque=70.",
+        "scale = 70 for the torque",
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", FAULTS)

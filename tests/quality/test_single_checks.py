@@ -293,9 +293,15 @@ def test_constant_signals_break_nothing(value) -> None:
     assert codes(check_recording(made)).count("emg-flat") == 4
 
 
-@pytest.mark.parametrize(("rate", "bursts", "said"), [
-    (128.0, 0.0, []), (1000.0, 0.0, []), (128.0, 1.0, ["error"]), (1000.0, 1.0, ["error"]),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("rate", "bursts", "said"),
+    [
+        (128.0, 0.0, []),
+        (1000.0, 0.0, []),
+        (128.0, 1.0, ["error"]),
+        (1000.0, 1.0, ["error"]),
+    ],
+)
 def test_an_envelope_of_a_muscle_at_rest_is_not_raw(recording, rate, bursts, said) -> None:
     """Noise of one strength on a constant may be an envelope's; EMG that comes and goes is not."""
     time = np.arange(0.0, 30.0, 1 / rate)

@@ -208,18 +208,27 @@ def acq_file(revision: int = 39) -> bytes:
         return bytes(filled)
 
     graph = header(
-        form.GraphHeader, lVersion=revision, nChannels=6, dSampleTime=10.0,
+        form.GraphHeader,
+        lVersion=revision,
+        nChannels=6,
+        dSampleTime=10.0,
         lExtItemHeaderLen=len(header(form.GraphHeader)),
-    )  # fmt: skip
+    )
     length = len(header(form.ChannelHeader))
     channels = [
         header(
-            form.ChannelHeader, lChanHeaderLen=length, nNum=k, nChanOrder=k, lBufLength=N,
-            szCommentText=name.encode(), szUnitsText=unit.encode(), dAmplScale=1.0,
+            form.ChannelHeader,
+            lChanHeaderLen=length,
+            nNum=k,
+            nChanOrder=k,
+            lBufLength=N,
+            szCommentText=name.encode(),
+            szUnitsText=unit.encode(),
+            dAmplScale=1.0,
             nVarSampleDivider=1,
         )
         for k, (name, unit) in enumerate(zip(NAMES, UNITS, strict=True))
-    ]  # fmt: skip
+    ]
     foreign = header(form.ForeignHeader, nLength=len(header(form.ForeignHeader)))
     kinds = header(form.ChannelDTypeHeader, nSize=8, nType=1) * 6
     return b"".join([graph, *channels, foreign, kinds, DATA.astype("<f8").tobytes()])

@@ -193,8 +193,9 @@ def poly5_file(n: int = 50, per_block: int = 20, version: int = 203) -> bytes:
     blocks, size = len(samples), 6 * per_block
     magic = f"POLY SAMPLE FILEversion {version / 100:.2f}\r\n\x1a".encode().ljust(31, b"\0")
     magic += b"" if version == 203 else b"\0"
-    head = struct.pack("<H81phhBHi4x14xiHHH64x", version, b"x", 2048, 2048, 0, 3, n, blocks,
-                       per_block, size, 0)  # fmt: skip
+    head = struct.pack(
+        "<H81phhBHi4x14xiHHH64x", version, b"x", 2048, 2048, 0, 3, n, blocks, per_block, size, 0
+    )
     plain, counts = (0.0, 1.0, 0.0, 1.0), (-1.0, 1.0, -1000.0, 1000.0)
     signals = [(b"(Lo) EMG", b"uV", plain), (b"(Hi) EMG", b"uV", plain), (b"Aux", b"mV", counts)]
     described = b"".join(

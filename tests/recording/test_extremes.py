@@ -31,11 +31,16 @@ def written(path, column=None, factor=1.0, offset=0.0):
 
 
 EXTREMES = [
-    ("torque", 1e307, "torque is about"), ("angle", 1e307, "angle is about"),
-    ("emg_sol", 1e308, "emg_sol is about"), ("emg_ta", 1e-300, "emg_ta is about"),
-    ("torque", 1e-300, "torque is about"), ("time", 1e-300, "apart"), ("time", 1e-14, "apart"),
-    ("time", 1e300, "apart"), ("torque", 1e200, "wrong unit"),
-]  # fmt: skip
+    ("torque", 1e307, "torque is about"),
+    ("angle", 1e307, "angle is about"),
+    ("emg_sol", 1e308, "emg_sol is about"),
+    ("emg_ta", 1e-300, "emg_ta is about"),
+    ("torque", 1e-300, "torque is about"),
+    ("time", 1e-300, "apart"),
+    ("time", 1e-14, "apart"),
+    ("time", 1e300, "apart"),
+    ("torque", 1e200, "wrong unit"),
+]
 
 
 @pytest.mark.parametrize(("column", "factor", "says"), EXTREMES)
@@ -55,9 +60,11 @@ def test_no_warning_of_a_library_reaches_the_screen(tmp_path) -> None:
         file = written(tmp_path / f"{number}.csv", column, factor)
         for command in ("inspect", "check"):
             made = subprocess.run(
-                [sys.executable, "-m", "surae", command, str(file)], capture_output=True, text=True,
+                [sys.executable, "-m", "surae", command, str(file)],
+                capture_output=True,
+                text=True,
                 check=False,
-            )  # fmt: skip
+            )
             assert made.returncode in (0, 2), made.stderr
             assert "Warning" not in made.stderr
             assert "Traceback" not in made.stderr

@@ -310,8 +310,12 @@ def c3d_of(tmp_path, labels, descriptions, signals):
     analog = file["parameters"]["ANALOG"]
     analog["RATE"]["value"] = [1000.0]
     analog["LABELS"]["value"], analog["UNITS"]["value"] = labels, ["V"] * len(labels)
-    analog["DESCRIPTIONS"] = {"type": -1, "description": "", "is_locked": False,
-                              "value": descriptions}  # fmt: skip
+    analog["DESCRIPTIONS"] = {
+        "type": -1,
+        "description": "",
+        "is_locked": False,
+        "value": descriptions,
+    }
     file["data"]["analogs"] = np.stack(signals)[None]
     file["data"]["points"] = np.ones((4, 0, len(signals[0]) // 10))
     file.write(str(tmp_path / "x.c3d"))

@@ -66,8 +66,14 @@ def test_a_blank_cell_of_another_signal_is_refused(tmp_path: Path) -> None:
 def test_a_film_has_a_clock_of_its_own(tmp_path: Path, header: str, clock: str) -> None:
     frames = np.arange(90)
     time = 0.52 + frames / 30.0
-    stamps = {"time_s": time, "stamp": time, "stamp (ms)": 1e3 * time, "t": time + 7.0,
-              "frame": frames, "FL": 50 + 0.1 * frames}  # fmt: skip
+    stamps = {
+        "time_s": time,
+        "stamp": time,
+        "stamp (ms)": 1e3 * time,
+        "t": time + 7.0,
+        "frame": frames,
+        "FL": 50 + 0.1 * frames,
+    }
     columns = [stamps[name] for name in header.split(",")]
     rows = [",".join(map(str, row)) for row in zip(*columns, strict=True)]
     _csv(tmp_path / "film.csv", header, rows)

@@ -179,10 +179,18 @@ def test_a_time_of_no_clock_that_is_known_says_how_to_write_it():
 @pytest.mark.parametrize(
     "name",
     [
-        "Time (%)", "time [%]", "Time (fortnights)", "Timestamp (ns)", "Zeit [min]", "% cycle",
-        "Gait cycle (%)", "stance_percent", "%", "Normalised time",
+        "Time (%)",
+        "time [%]",
+        "Time (fortnights)",
+        "Timestamp (ns)",
+        "Zeit [min]",
+        "% cycle",
+        "Gait cycle (%)",
+        "stance_percent",
+        "%",
+        "Normalised time",
     ],
-)  # fmt: skip
+)
 def test_a_time_that_is_none_in_seconds_is_refused(name):
     with pytest.raises(InputError, match="is not known for time"):
         table(f"{name},angle_rad\n0,1\n1,2\n".encode())

@@ -169,8 +169,22 @@ def test_a_heading_may_end_with_its_unit(name, unit):
 
 @pytest.mark.parametrize(
     "name",
-    ["Angle", "EMG (left)", "EMG (1)", "TA [2]", "(deg)", "deg", "angle_deg_target", "Force (N)",
-     "grade", "ankle (deg) filtered", "torque_Nm_per_kg", "emg_ta_V", "gait_sv", ""],
-)  # fmt: skip
+    [
+        "Angle",
+        "EMG (left)",
+        "EMG (1)",
+        "TA [2]",
+        "(deg)",
+        "deg",
+        "angle_deg_target",
+        "Force (N)",
+        "grade",
+        "ankle (deg) filtered",
+        "torque_Nm_per_kg",
+        "emg_ta_V",
+        "gait_sv",
+        "",
+    ],
+)
 def test_what_is_no_unit_at_the_end_states_none(name):
     assert heading_unit(name) is None

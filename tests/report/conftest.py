@@ -17,10 +17,22 @@ from surae.signals import ModelInputs
 from undrawn import blank_figures
 
 TRUTH = {
-    "m": 2.0, "k_tri": 200.0, "k_tib": 110.0, "x0_tri": 0.018, "x0_tib": 0.065, "tau_rel": 2.0,
-    "k_rel": 0.4, "g1": 6e5, "g2": 9e5, "g3": 1.3e6, "g4": 1e6, "l0_tri": 0.045, "l0_tib": 0.075,
-    "f0": 2.0, "beta": 1.0,
-}  # fmt: skip
+    "m": 2.0,
+    "k_tri": 200.0,
+    "k_tib": 110.0,
+    "x0_tri": 0.018,
+    "x0_tib": 0.065,
+    "tau_rel": 2.0,
+    "k_rel": 0.4,
+    "g1": 6e5,
+    "g2": 9e5,
+    "g3": 1.3e6,
+    "g4": 1e6,
+    "l0_tri": 0.045,
+    "l0_tib": 0.075,
+    "f0": 2.0,
+    "beta": 1.0,
+}
 HOSTILE = '"><script>alert(1)</script>'
 
 
@@ -41,10 +53,18 @@ def trial(
         [3e-4 * np.maximum(0.0, np.sin(2 * np.pi * f * time + f)) for f in (0.23, 0.31, 0.41, 0.57)]
     )
     inputs = ModelInputs(
-        name, rate_hz, read_only(time), read_only(angle), read_only(velocity),
-        read_only(acceleration), read_only(emg), "V", None, steps=("EMG: rectified.",),
+        name,
+        rate_hz,
+        read_only(time),
+        read_only(angle),
+        read_only(velocity),
+        read_only(acceleration),
+        read_only(emg),
+        "V",
+        None,
+        steps=("EMG: rectified.",),
         files=(SourceFile("trials/one.csv", "ab" * 32),),
-    )  # fmt: skip
+    )
     inputs = replace(inputs, **changes)  # type: ignore[arg-type]
     spec = get_model("muscle")
     vector = np.array([TRUTH[name] for name in spec.names])

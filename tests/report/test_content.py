@@ -52,8 +52,9 @@ def test_the_numbers_are_those_of_the_assessment(plain, content):
         assert bar.low <= bar.value <= bar.high
     r2, rmse = plain.assessment.adequacy.r2, plain.assessment.rmse
     assert [value for _, value, _ in parts.key(content)][:2] == [
-        f"{percentage(r2)} %", f"{significant(rmse, 3)} Nm",
-    ]  # fmt: skip
+        f"{percentage(r2)} %",
+        f"{significant(rmse, 3)} Nm",
+    ]
     facts = parts.facts(parts.section(content, "Recording:"))
     assert facts["VAF"] == f"{percentage(plain.assessment.recordings[0].vaf)} %"
     assert facts["Samples"] == "1000 at 100 Hz"
@@ -161,8 +162,9 @@ def test_an_adequate_fit_says_so_and_nothing_else(content):
 
 def test_an_inadequate_fit_opens_with_its_reasons_and_counts_nothing(plain):
     reasons = (
-        against("still", grave=True, moved=2.0), against("at-bound", names="f0"),
-    )  # fmt: skip
+        against("still", grave=True, moved=2.0),
+        against("at-bound", names="f0"),
+    )
     case = judged(plain, Grade.INADEQUATE, reasons, r2=12.0)
     words = parts.adequacy(content_of(case))
     assert words.reasons == (

@@ -17,9 +17,14 @@ def fit(**values):
     made = {}
     for name, (mean, sd, *more) in values.items():
         said = {
-            "name": name, "free": True, "at_bound": False, "verdict": Verdict.IDENTIFIED,
-            "ci95": (mean - 1.96 * sd, mean + 1.96 * sd), "lower": -1e3, "upper": 1e3,
-        }  # fmt: skip
+            "name": name,
+            "free": True,
+            "at_bound": False,
+            "verdict": Verdict.IDENTIFIED,
+            "ci95": (mean - 1.96 * sd, mean + 1.96 * sd),
+            "lower": -1e3,
+            "upper": 1e3,
+        }
         made[name] = SimpleNamespace(**said | (more[0] if more else {}))
     return SimpleNamespace(parameters=made)
 

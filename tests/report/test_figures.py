@@ -50,8 +50,10 @@ def test_emg_that_was_not_recorded_takes_no_panel(traces):
     assert "EMG [-]" in [axes.get_ylabel() for axes in figure.axes]
     without = torque_figure(replace(traces, missing_emg=("ta", "gl", "sol", "gm")))
     assert [axes.get_ylabel() for axes in without.axes] == [
-        "Angle [rad]", "Torque [Nm]", "Torque [Nm]",
-    ]  # fmt: skip
+        "Angle [rad]",
+        "Torque [Nm]",
+        "Torque [Nm]",
+    ]
 
 
 @pytest.mark.parametrize("dpi", [100, 150])
@@ -116,8 +118,9 @@ def test_the_residual_has_its_band_and_units(traces):
     over_time, correlation = residual_figure(traces.time, traces.residual, white).axes
     assert (over_time.get_xlabel(), over_time.get_ylabel()) == ("Time [s]", "Residual [Nm]")
     assert (correlation.get_xlabel(), correlation.get_ylabel()) == (
-        "Lag [s]", "Autocorrelation [-]",
-    )  # fmt: skip
+        "Lag [s]",
+        "Autocorrelation [-]",
+    )
     band = correlation.patches[0].get_extents().transformed(correlation.transData.inverted())
     assert (band.y0, band.y1) == pytest.approx((-white.band, white.band))
 
@@ -132,8 +135,16 @@ def test_the_heat_map_has_values_and_names():
     figure = correlation_figure(["m", "k_tri", "g1"], matrix)
     axes = figure.axes[0]
     assert [t.get_text() for t in axes.texts] == [
-        "1.00", "−0.50", "0.998", "−0.50", "1.00", "0.00", "0.998", "0.00", "1.00",
-    ]  # fmt: skip
+        "1.00",
+        "−0.50",
+        "0.998",
+        "−0.50",
+        "1.00",
+        "0.00",
+        "0.998",
+        "0.00",
+        "1.00",
+    ]
     assert [t.get_text() for t in axes.get_xticklabels()] == ["m", "k_tri", "g1"]
     assert figure.axes[1].get_ylabel() == "Correlation [-]"
 

@@ -96,8 +96,10 @@ def test_the_plots_hold_the_signals_as_they_are(joint):
         assert shown["start"] + index / shown["rate"] == pytest.approx(traces.time[index])
         title, unit, lines = shown["panels"][0]
         assert (title, unit, [line[0] for line in lines]) == (
-            "Torque", "Nm", ["measured", "modelled"],
-        )  # fmt: skip
+            "Torque",
+            "Nm",
+            ["measured", "modelled"],
+        )
         for (_, low, high, steps), signal in zip(
             lines, (traces.measured, traces.modelled), strict=True
         ):

@@ -11,9 +11,11 @@ from surae.base.words import Message, english
 from surae.report.language import words_in
 
 NESTED = Message(
-    "note/trades", known=Message("note/known-only", percent=Message("{p:.2g} %", p=7.25)),
-    partner="a.b", r=-0.953,
-)  # fmt: skip
+    "note/trades",
+    known=Message("note/known-only", percent=Message("{p:.2g} %", p=7.25)),
+    partner="a.b",
+    r=-0.953,
+)
 
 
 def test_a_message_is_its_english_sentence_and_keeps_its_parts() -> None:

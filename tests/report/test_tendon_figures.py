@@ -34,8 +34,10 @@ def test_every_panel_has_its_units_for_both_groups(traces):
     assert len(axes) == 10
     labels = [axis.get_ylabel().replace("\n", " ") for axis in axes]
     for expected in (
-        "Muscle length [l0]", "Muscle velocity [l0/s]", "Tendon elongation [mm]",
-    ):  # fmt: skip
+        "Muscle length [l0]",
+        "Muscle velocity [l0/s]",
+        "Tendon elongation [mm]",
+    ):
         assert labels.count(expected) == 2
     assert labels.count("Tendon force [N]") == 4
     titles = [axis.get_title(loc="left") for axis in axes]

@@ -72,9 +72,10 @@ def budgeted(monkeypatch, name, budget):
     """Have a parameter this budget, and all others none that helps."""
     none = replace(budget, shares={}, without={})
     monkeypatch.setattr(
-        Uncertainty, "budget",
+        Uncertainty,
+        "budget",
         lambda known, along: budget if along[known.names.index(name)] else none,
-    )  # fmt: skip
+    )
 
 
 def test_the_sentence_follows_from_the_budget(auto, monkeypatch):
@@ -236,8 +237,11 @@ def test_the_page_has_all_of_it(auto):
     page = fit_report(
         AssessedFit(result, assessment), versions={}, created=datetime(2026, 1, 5, 14, 3)
     ).page()
-    for heading in ("What makes each parameter unsure", "The laboratory’s imperfections",
-                    "Which model the data support"):  # fmt: skip
+    for heading in (
+        "What makes each parameter unsure",
+        "The laboratory’s imperfections",
+        "Which model the data support",
+    ):
         assert page.count(f">{heading}</h3>") == 1
     assert "SEM (34)</th>" not in page.split("Correlation of the estimates")[0].split("unsure")[0]
     assert "Stacked bars of the shares" in page

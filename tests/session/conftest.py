@@ -68,8 +68,10 @@ def rows(n=400, rate=200.0, angle=0.2, torque=5.0, emg=0.0, seed=0):
     load = torque + 10 * np.sin(2 * np.pi * 0.5 * time)
     noise = 0.01 * rng.standard_normal(n) + emg * rng.standard_normal(n) * (time > time[-1] / 2)
     lines = ["time,crank,load,muscle"]
-    lines += [f"{t:.6f},{a:.6f},{b:.6f},{e:.6f}" for t, a, b, e in
-              zip(time, crank, load, noise, strict=True)]  # fmt: skip
+    lines += [
+        f"{t:.6f},{a:.6f},{b:.6f},{e:.6f}"
+        for t, a, b, e in zip(time, crank, load, noise, strict=True)
+    ]
     return "\n".join(lines) + "\n"
 
 
@@ -99,9 +101,13 @@ def leg(tmp_path_factory):
 
 
 MOVES = Protocol(
-    profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.2, rate_hz=50.0, task="active",
+    profile="multiple-holds",
+    chirp_amplitude=0.2,
+    chirp_rate=0.2,
+    rate_hz=50.0,
+    task="active",
     duration=20.0,
-)  # fmt: skip
+)
 
 
 def write_trial(path, trial):

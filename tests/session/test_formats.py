@@ -27,14 +27,20 @@ def workbook(path, sheets):
 
 
 def test_a_sheet_with_a_preface_and_units(tmp_path):
-    rows = [["Laboratory of today"], [], ["Time", "Ankle angle", "Torque", "EMG TA"],
-            ["ms", "deg", "Nmm", "µV"]]  # fmt: skip
+    rows = [
+        ["Laboratory of today"],
+        [],
+        ["Time", "Ankle angle", "Torque", "EMG TA"],
+        ["ms", "deg", "Nmm", "µV"],
+    ]
     rows += [[10.0 * k, k, 1000.0 * k, 5] for k in range(5)]
     path = workbook(tmp_path / "lab.xlsx", {"Data": rows, "Notes": [["a patient's name"]]})
     found = inspect(path)
     assert {role: c.column for role, c in found.roles.items()} == {
-        "angle": "Ankle angle", "torque": "Torque", "emg_ta": "EMG TA"
-    }  # fmt: skip
+        "angle": "Ankle angle",
+        "torque": "Torque",
+        "emg_ta": "EMG TA",
+    }
     assert found.roles["torque"].known_unit == "Nmm"
     assert found.roles["angle"].rate_hz == pytest.approx(100.0)
     (tmp_path / "map.toml").write_text(

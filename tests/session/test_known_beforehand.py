@@ -50,8 +50,11 @@ def folder(tmp_path_factory):
 def test_steps_are_recognised_and_used(folder) -> None:
     session = surae.session(folder)
     assert {t.name: t.use for t in session.trials} == {
-        "empty": "device", "fourth": "crosstalk", "one": "fit", "two": "fit",
-    }  # fmt: skip
+        "empty": "device",
+        "fourth": "crosstalk",
+        "one": "fit",
+        "two": "fit",
+    }
     assert session["two"].stated
     known = session.knowledge
     assert known.plate.file == "empty.csv"

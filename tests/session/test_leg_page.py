@@ -118,8 +118,11 @@ def test_a_translated_page_has_no_english_and_no_code_name(done, tmp_path, langu
     assert f'<html lang="{language}">' in page
     assert "{" not in text
     names = {*result.joint.parameters, *(n.partition("@")[0] for n in result.joint.measures())}
-    assert not [n for n in (*names, "angle-sign") if re.search(rf"\b{re.escape(n)}\b", text)
-                and n not in ("m", "delay")]  # fmt: skip
+    assert not [
+        n
+        for n in (*names, "angle-sign")
+        if re.search(rf"\b{re.escape(n)}\b", text) and n not in ("m", "delay")
+    ]
     english = re.findall(r"\b(the|and|with|are|not|stiffness|torque|trial|known)\b", text)
     assert english == []
     assert not re.search(r"\d\.\d", re.sub(r"\d{4}-\d\d-\d\d \d\d:\d\d|surae \S+", "", text))
@@ -229,8 +232,23 @@ def test_the_report_on_paper_says_what_the_page_says(done, tmp_path, run, monkey
 def test_the_commands_write_it_in_the_readers_language(done, leg, tmp_path, run) -> None:
     folder, _ = done
     shutil.copytree(folder, tmp_path / "out")  # its fits are kept
-    made = run("session", leg, "--output", tmp_path / "out", "--model", "muscle", "--prepared",
-               "--starts", 1, "--workers", 1, "--before", folder, "--language", "de")  # fmt: skip
+    made = run(
+        "session",
+        leg,
+        "--output",
+        tmp_path / "out",
+        "--model",
+        "muscle",
+        "--prepared",
+        "--starts",
+        1,
+        "--workers",
+        1,
+        "--before",
+        folder,
+        "--language",
+        "de",
+    )
     assert made.code == 0, made.err
     page = (tmp_path / "out" / "report.de.html").read_text(encoding="utf-8")
     assert "Wie steif ist es?" in page
@@ -292,8 +310,9 @@ def foreign(folder, held):
     holds = [table[end - 383 : end + 1] for end in ends if still[end - 383 : end].all()]
     for number, hold in enumerate(holds):
         hold[:, 0] -= hold[0, 0]
-        np.savetxt(out / f"hold {number}.csv", hold, "%.8g", ",", header=f"{comment}\n{names}",
-                   comments="")  # fmt: skip
+        np.savetxt(
+            out / f"hold {number}.csv", hold, "%.8g", ",", header=f"{comment}\n{names}", comments=""
+        )
     return out
 
 

@@ -76,8 +76,14 @@ def patterned(folder, file):
 
 
 def test_signs_in_a_pattern_stand_for_themselves(tmp_path, table):
-    for name in ("[left] walk.csv", "l walk.csv", "[left] run.csv", ".[left] x.csv",
-                 "._[left] walk.csv", "[left] ._a.csv"):  # fmt: skip
+    for name in (
+        "[left] walk.csv",
+        "l walk.csv",
+        "[left] run.csv",
+        ".[left] x.csv",
+        "._[left] walk.csv",
+        "[left] ._a.csv",
+    ):
         (tmp_path / name).write_text(table())
     names = {path.name for path in patterned(tmp_path, "[left] {trial}.csv").files(tmp_path)}
     assert names == {"[left] walk.csv", "[left] run.csv", "[left] ._a.csv"}

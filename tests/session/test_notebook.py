@@ -62,8 +62,10 @@ def test_the_html_asks_nothing_of_the_outside_and_escapes(fit, trial):
     assert "<script" not in html
     named = surae.fit(
         surae.Recording(name="<b>", channels=trial.channels, emg="envelope"),
-        "muscle", prepared=True, starts=1,
-    )  # fmt: skip
+        "muscle",
+        prepared=True,
+        starts=1,
+    )
     assert "<b>:" not in named._repr_html_()
 
 
@@ -240,12 +242,21 @@ def test_nothing_of_it_is_loaded_before_it_is_used(leg):
 
 def test_everything_that_is_given_back_says_in_a_few_lines_what_it_is(fit, trial, leg):
     answers = [
-        trial, surae.check(trial), surae.inspect(leg / "walk 1.csv"), fit, fit.measures(),
-        surae.prepare(trial, prepared=True), fit.predict(trial), surae.export(fit, to="osim"),
-        surae.profile(fit, ["m"], workers=1), surae.posterior(fit, draws=20, evaluations=600),
-        surae.expect("sine", "muscle", legs=3), surae.change(fit, leg_again(fit)),
-        surae.design(20.0, evaluations=5), surae.measure_next(fit, angle_range=(-0.9, 0.6)),
-    ]  # fmt: skip
+        trial,
+        surae.check(trial),
+        surae.inspect(leg / "walk 1.csv"),
+        fit,
+        fit.measures(),
+        surae.prepare(trial, prepared=True),
+        fit.predict(trial),
+        surae.export(fit, to="osim"),
+        surae.profile(fit, ["m"], workers=1),
+        surae.posterior(fit, draws=20, evaluations=600),
+        surae.expect("sine", "muscle", legs=3),
+        surae.change(fit, leg_again(fit)),
+        surae.design(20.0, evaluations=5),
+        surae.measure_next(fit, angle_range=(-0.9, 0.6)),
+    ]
     for answer in answers:
         text = repr(answer)
         assert len(text) < 10_000, type(answer)

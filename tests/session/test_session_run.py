@@ -100,9 +100,14 @@ def test_the_folder_holds_everything(done):
     folder, result = done
     names = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
     assert names >= {
-        "session.json", "joint.json", "table.csv", "report.html",
-        "fits/walk_1.json", "fits/walk_2.json", "fits/passive.json",
-    }  # fmt: skip
+        "session.json",
+        "joint.json",
+        "table.csv",
+        "report.html",
+        "fits/walk_1.json",
+        "fits/walk_2.json",
+        "fits/passive.json",
+    }
     assert "fits/hold.json" not in names
     index = json.loads((folder / "session.json").read_text())
     hold = next(trial for trial in index["trials"] if trial["name"] == "hold")
@@ -181,8 +186,17 @@ def test_ctrl_c_keeps_what_is_done(leg, tmp_path, monkeypatch):
 
 @pytest.mark.usefixtures("figures_made")
 def test_holds_alone_identify_nothing(leg, tmp_path, run):
-    done = run("session", leg / "hold.csv", "--output", tmp_path / "out", "--model", "muscle",
-               "--prepared", "--workers", 1)  # fmt: skip
+    done = run(
+        "session",
+        leg / "hold.csv",
+        "--output",
+        tmp_path / "out",
+        "--model",
+        "muscle",
+        "--prepared",
+        "--workers",
+        1,
+    )
     assert done.code == 1
     assert "no trial could be fitted" in done.err
     index = json.loads((tmp_path / "out" / "session.json").read_text())
@@ -239,8 +253,19 @@ def test_what_was_there_already_is_no_measure_of_the_time_left(done, leg, tmp_pa
 
 @pytest.mark.usefixtures("words_alone")
 def test_the_command(leg, tmp_path, run):
-    command = ("session", leg, "--output", tmp_path / "out", "--model", "muscle", "--prepared",
-               "--starts", 1, "--workers", 1)  # fmt: skip
+    command = (
+        "session",
+        leg,
+        "--output",
+        tmp_path / "out",
+        "--model",
+        "muscle",
+        "--prepared",
+        "--starts",
+        1,
+        "--workers",
+        1,
+    )
     done = run(*command)
     assert done.code == 0
     assert "could not be read: broken" in done.err
@@ -283,8 +308,9 @@ def test_measured_trials_by_the_plain_model(shared, tmp_path, run):
         "[channels.emg_ta]\ncolumn='EMG_TA'\nunit='V'\n[trials]\n'Pas_10'.use = false\n"
     )
     quick = ("--model", "muscle", "--starts", 1, "--fixed", "g2=0", "--fixed", "g3=0")
-    done = run("session", tmp_path, "--mapping", "map.toml", *quick, "--fixed", "g4=0",
-               "--output", "out")  # fmt: skip
+    done = run(
+        "session", tmp_path, "--mapping", "map.toml", *quick, "--fixed", "g4=0", "--output", "out"
+    )
     assert done.code == 0, done.err
     assert "Pas_10: left out by the description" in done.out
     result = surae.load_session(tmp_path / "out")

@@ -89,8 +89,10 @@ def test_a_hold_is_maximal_where_it_is_harder_than_any_movement():
     trials = [synthetic("a", 0.2, 1e-4), synthetic("strong", 0.0, 3e-4), synthetic("rest", 0.2)]
     session = surae.session(trials)
     assert [(t.effort, t.use) for t in session.trials] == [
-        ("active", "fit"), ("maximal", "reference"), ("passive", "fit")
-    ]  # fmt: skip
+        ("active", "fit"),
+        ("maximal", "reference"),
+        ("passive", "fit"),
+    ]
     alike = surae.session([trials[0], synthetic("alike", 0.0, 1.1e-4)])
     assert (alike["alike"].effort, alike["alike"].use) == ("active", "hold")
 
@@ -109,11 +111,14 @@ def test_emg_that_never_changes_says_nothing_of_the_muscles(level):
     angle = 0.2 * np.sin(time)
     trials = [
         Recording.from_arrays(
-            time, angle, 10 * angle,
-            level * 1e-6 * np.random.default_rng(seed).standard_normal((5000, 4)), name=name,
+            time,
+            angle,
+            10 * angle,
+            level * 1e-6 * np.random.default_rng(seed).standard_normal((5000, 4)),
+            name=name,
         )
         for seed, name in enumerate("ab")
-    ]  # fmt: skip
+    ]
     session = surae.session(trials)
     assert {trial.effort for trial in session.trials} == {"unknown"}
     assert "does not say" in session["a"].why

@@ -18,9 +18,11 @@ def long(seconds, rate=50.0, moving=()):
     values = {
         "angle": (0.01 + 0.3 * moves) * np.sin(2 * time),
         "torque": rng.standard_normal(len(time)),
-        **{f"emg_{m}": 1e-5 * (1 + 9 * moves) * rng.standard_normal(len(time))
-           for m in ("ta", "gl", "sol", "gm")},
-    }  # fmt: skip
+        **{
+            f"emg_{m}": 1e-5 * (1 + 9 * moves) * rng.standard_normal(len(time))
+            for m in ("ta", "gl", "sol", "gm")
+        },
+    }
     units = {"angle": "rad", "torque": "Nm"}
     channels = {r: Channel(r, time, v, units.get(r, "V"), "made") for r, v in values.items()}
     return Recording("long", channels)

@@ -161,10 +161,14 @@ def test_a_store_older_than_all_that_are_known_is_told_so(path) -> None:
 
 @pytest.mark.parametrize(
     "statement",
-    ["CREATE TRIGGER t AFTER INSERT ON result BEGIN DELETE FROM result; END",
-     "CREATE VIEW v AS SELECT 1", "CREATE TABLE more (a)", "ALTER TABLE plan ADD COLUMN more",
-     "CREATE INDEX i ON plan (key)"],
-)  # fmt: skip
+    [
+        "CREATE TRIGGER t AFTER INSERT ON result BEGIN DELETE FROM result; END",
+        "CREATE VIEW v AS SELECT 1",
+        "CREATE TABLE more (a)",
+        "ALTER TABLE plan ADD COLUMN more",
+        "CREATE INDEX i ON plan (key)",
+    ],
+)
 @pytest.mark.parametrize("write", [False, True])
 def test_a_strangers_programs_are_refused(path, statement, write) -> None:
     fill(path)

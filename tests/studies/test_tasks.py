@@ -90,9 +90,18 @@ def test_whatever_goes_wrong_is_an_outcome_with_its_reason() -> None:
 
 @pytest.mark.parametrize(
     "change",
-    ["noise = 0.1", "seed = 2", "starts = 2", 'task = "active"', 'population = "patient"',
-     "rate_hz = 60", 'geometry = "virtual-work"', "chirp_rate = 0.3", "repeats = [2]"],
-)  # fmt: skip
+    [
+        "noise = 0.1",
+        "seed = 2",
+        "starts = 2",
+        'task = "active"',
+        'population = "patient"',
+        "rate_hz = 60",
+        'geometry = "virtual-work"',
+        "chirp_rate = 0.3",
+        "repeats = [2]",
+    ],
+)
 def test_whatever_matters_changes_the_key(change) -> None:
     name = change.split(" ", maxsplit=1)[0]
     rest = "".join(line + "\n" for line in TEXT.splitlines() if not line.startswith(name))

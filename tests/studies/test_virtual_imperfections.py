@@ -17,9 +17,14 @@ from surae.studies import (
 
 SUBJECT = virtual_subject(4)
 SIZES = {
-    "torque_noise": 0.7, "crosstalk": 0.08, "axis_forward": 0.01, "axis_up": -0.01,
-    "knee_motion": 0.05, "effort_variation": 0.2, "reflex_gain": 0.3,
-}  # fmt: skip
+    "torque_noise": 0.7,
+    "crosstalk": 0.08,
+    "axis_forward": 0.01,
+    "axis_up": -0.01,
+    "knee_motion": 0.05,
+    "effort_variation": 0.2,
+    "reflex_gain": 0.3,
+}
 
 
 @pytest.fixture(scope="module")
@@ -126,8 +131,10 @@ def test_realistic_imperfections_are_drawn_once_for_a_subject():
 def test_all_of_them_go_together_with_tendons(trajectory):
     subject = virtual_subject(3, "patient", tendons=True)
     trial = virtual_trial(
-        subject, trajectory, model="muscle-tendon-toe",
+        subject,
+        trajectory,
+        model="muscle-tendon-toe",
         imperfections=realistic_imperfections(subject),
-    )  # fmt: skip
+    )
     assert np.isfinite(trial.torque).all()
     assert len(trial.steps) == 8

@@ -62,13 +62,28 @@ def test_sets_are_fitted_beside_what_is_free():
 
 
 def _fit(subject, repetition, vaf, predicted, sem=0.2):
-    label = {"kind": "fit", "subject": subject, "protocol": "holds", "repetition": repetition,
-             "path": "", "model": "1.0", "fixed": ""}  # fmt: skip
+    label = {
+        "kind": "fit",
+        "subject": subject,
+        "protocol": "holds",
+        "repetition": repetition,
+        "path": "",
+        "model": "1.0",
+        "fixed": "",
+    }
     p = {"value": 2.0, "sem": sem, "ci95": [1.0, 3.0], "verdict": "weak"}
     others = {f"{subject} holds {r}": v for r, v in predicted.items()}
-    return label, {"failed": None, "status": "converged", "grade": "adequate", "vaf": vaf,
-                   "r2": vaf, "ipde": 2.6, "parameters": {"m": p, "g1": p}, "predicted": others,
-                   "seconds": 1.0}  # fmt: skip
+    return label, {
+        "failed": None,
+        "status": "converged",
+        "grade": "adequate",
+        "vaf": vaf,
+        "r2": vaf,
+        "ipde": 2.6,
+        "parameters": {"m": p, "g1": p},
+        "predicted": others,
+        "seconds": 1.0,
+    }
 
 
 def _outcomes():
@@ -80,10 +95,12 @@ def _outcomes():
     simulated = {"kind": "simulation", "protocol": "holds", "model": "1.0", "leg": 0}
     failed = _fit("B", 1, 0.0, {})[0]
     return [
-        *seen, _fit("A", 1, 95.0, {2: 80.0}), _fit("A", 2, 97.0, {1: 70.0}),
+        *seen,
+        _fit("A", 1, 95.0, {2: 80.0}),
+        _fit("A", 2, 97.0, {1: 70.0}),
         (failed, {"failed": "no torque", "seconds": 0.1}),
         (simulated, {"sem": {"m": 0.1, "g1": 0.05}}),
-    ]  # fmt: skip
+    ]
 
 
 def test_what_a_batch_says_is_of_its_fits():
@@ -128,8 +145,22 @@ def test_a_batch_goes_on_where_it_was(tmp_path, monkeypatch):
             *(",".join(map(repr, map(float, row))) for row in zip(*columns, strict=True)),
         ]
         (tmp_path / f"S1_sine_{repetition}.csv").write_text("\n".join(lines))
-    asked = ["batch", "S1_sine_1.csv", "S1_sine_2.csv", "--models", "1.0", "--prepared", "--store",
-             "b.db", "--output", "out", "--workers", "1", "--starts", "1"]  # fmt: skip
+    asked = [
+        "batch",
+        "S1_sine_1.csv",
+        "S1_sine_2.csv",
+        "--models",
+        "1.0",
+        "--prepared",
+        "--store",
+        "b.db",
+        "--output",
+        "out",
+        "--workers",
+        "1",
+        "--starts",
+        "1",
+    ]
     first = CliRunner().invoke(group, asked, catch_exceptions=False)
     assert "5 computed now" in first.output
     again = CliRunner().invoke(group, asked, catch_exceptions=False)

@@ -19,9 +19,16 @@ def above_one(value: float | None) -> Ruling:
 
 
 CLAIM = Claim(
-    id="c", source="3.1", statement="It rises.", number="2", says="It rose.", rule="It is above 1.",
-    ours=above_one, why="So it is.", note=lambda value, claim: f"{claim.id} from {value}.",
-)  # fmt: skip
+    id="c",
+    source="3.1",
+    statement="It rises.",
+    number="2",
+    says="It rose.",
+    rule="It is above 1.",
+    ours=above_one,
+    why="So it is.",
+    note=lambda value, claim: f"{claim.id} from {value}.",
+)
 
 
 @pytest.mark.parametrize(
@@ -69,10 +76,13 @@ def test_a_verdict_that_there_is_not_is_refused() -> None:
 
 
 RULES = {
-    "protocols": [movements.__name__], "tendons": [tendons.__name__],
-    "simulation": simulation.RULES, "subjects": [subjects.RULES], "beyond": [beyond.__name__],
+    "protocols": [movements.__name__],
+    "tendons": [tendons.__name__],
+    "simulation": simulation.RULES,
+    "subjects": [subjects.RULES],
+    "beyond": [beyond.__name__],
     "appendix": [appendix.__name__],
-}  # fmt: skip
+}
 #: The views that sections have, by section; of the others there is one.
 VIEWS = {
     "simulation": {SIGNED, MAGNITUDE, IN_TURN, LEAD, EARLY, SLOW, INTEGRATOR},
@@ -100,8 +110,9 @@ def test_there_are_114_claims() -> None:
 def test_numbers_that_calibrated_the_cohort_cannot_hold() -> None:
     every = [claim for name in RULES for claim in read_claims(name, *RULES[name])]
     assert {claim.id for claim in every if claim.calibrated} == {
-        "fit-1-0-multiple-holds", "fit-1-0-ramp-and-hold"
-    }  # fmt: skip
+        "fit-1-0-multiple-holds",
+        "fit-1-0-ramp-and-hold",
+    }
     assert judge(replace(CLAIM, calibrated=True), {"": 2.0}).said == "calibrated"
 
 

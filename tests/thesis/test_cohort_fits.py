@@ -40,8 +40,10 @@ def test_every_model_is_fitted_to_every_recording_alone(outcome):
 def test_the_first_repetition_predicts_the_others_and_the_passive_protocol(outcome):
     predicted = outcome[f"implicit 1.0 {ACTIVE_PROTOCOL} 1"]["predicted"]
     assert [(p["protocol"], p["repetition"]) for p in predicted] == [
-        (ACTIVE_PROTOCOL, 2), (PASSIVE_PROTOCOL, 1), (PASSIVE_PROTOCOL, 2),
-    ]  # fmt: skip
+        (ACTIVE_PROTOCOL, 2),
+        (PASSIVE_PROTOCOL, 1),
+        (PASSIVE_PROTOCOL, 2),
+    ]
     assert all(p["vaf"] > 50.0 for p in predicted)
     assert outcome[f"implicit 1.0 {ACTIVE_PROTOCOL} 2"]["predicted"] == []
 

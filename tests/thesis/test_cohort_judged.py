@@ -24,12 +24,19 @@ NOTED = next(member.id for member in MEMBERS if member.remarks)
 #: A subject with one recording of each kind that is as low as the thesis's lowest.
 ODD = next(m.id for m in MEMBERS if len(m.completed) == 3 and m.id != NOTED)
 LOWEST = {
-    ("fit", "1.0", FAST): -8.0, ("fit", "2.0", HOLDS): -14.0, ("fit", "2.0", FAST): -6.0,
-    ("validation", "1.0", HOLDS): -22.4, ("validation", "1.0", FAST): -33.1,
-}  # fmt: skip
+    ("fit", "1.0", FAST): -8.0,
+    ("fit", "2.0", HOLDS): -14.0,
+    ("fit", "2.0", FAST): -6.0,
+    ("validation", "1.0", HOLDS): -22.4,
+    ("validation", "1.0", FAST): -33.1,
+}
 PAIRS = (
-    ("l0_tri", "k_tri"), ("l0_tib", "x0_tib"), ("m", "g1"), ("g4", "k_tri"), ("l0_tri", "m"),
-)  # fmt: skip
+    ("l0_tri", "k_tri"),
+    ("l0_tib", "x0_tib"),
+    ("m", "g1"),
+    ("g4", "k_tri"),
+    ("l0_tri", "m"),
+)
 #: The thesis's own means: every level must then hold.
 THESIS = thesis_means()
 CLAIMS = read_claims("subjects", subjects.RULES)
@@ -98,11 +105,15 @@ def one(model, name, protocol, r, subject, vaf, sem, bound, correlation, short):
     targets = [(protocol, k) for k in (2, 3)] if r == 1 else []
     targets += [(PASSIVE, k) for k in (1, 2, 3)] if r == 1 and protocol == HOLDS else []
     return {
-        "n": 9000, "first_start": True,
+        "n": 9000,
+        "first_start": True,
         "vaf": vaf("fit", model, protocol, subject, r),
         "parameters": {
             n: {
-                "value": 1.2, "sem": scale * high.get(n, 1.0), "true": 1.0, "ci95": [0.5, 1.5],
+                "value": 1.2,
+                "sem": scale * high.get(n, 1.0),
+                "true": 1.0,
+                "ci95": [0.5, 1.5],
                 "at_bound": bound and n == "m",
             }
             for n in names
@@ -110,14 +121,20 @@ def one(model, name, protocol, r, subject, vaf, sem, bound, correlation, short):
         "correlation": {"names": names, "matrix": matrix.tolist()},
         "predicted": [
             {
-                "protocol": target, "repetition": k,
-                "vaf": vaf("onto" if (protocol, target) == (HOLDS, PASSIVE) else "validation",
-                           model, target, subject, k),
+                "protocol": target,
+                "repetition": k,
+                "vaf": vaf(
+                    "onto" if (protocol, target) == (HOLDS, PASSIVE) else "validation",
+                    model,
+                    target,
+                    subject,
+                    k,
+                ),
             }
             for target, k in targets
         ],
         "sizes": {"neural": 80.0, "tissue": 10.0, "inertial": 1.0, "short_at_peaks": short},
-    }  # fmt: skip
+    }
 
 
 def judged(fits):
@@ -130,8 +147,9 @@ def test_subjects_like_the_thesis_s_pass_every_rule():
     said = judged(made_up())
     others = {name: (f.said, f.ours) for name, f in said.items() if f.verdict != "holds"}
     assert {name: said for name, (said, _) in others.items()} == {
-        "fit-1-0-multiple-holds": "calibrated", "fit-1-0-ramp-and-hold": "calibrated",
-    }, others  # fmt: skip
+        "fit-1-0-multiple-holds": "calibrated",
+        "fit-1-0-ramp-and-hold": "calibrated",
+    }, others
 
 
 def test_a_lowest_value_is_that_of_the_thesis_or_is_not():
@@ -160,32 +178,55 @@ def test_what_each_calibration_gains_and_loses_is_listed():
     fits, moved = made_up(), made_up(shift={("fit", "1.0", PASSIVE): -9.0})
     table = subjects._turned(Ways(fits, fits, {"noise": moved}, fits, {}))
     assert [(row[0], row[1], row[-1]) for row in table.rows] == [
-        ("noise", "fit-1-0-ramp-and-hold", "gains"), ("noise", "passive-followed-best", "gains"),
-    ]  # fmt: skip
+        ("noise", "fit-1-0-ramp-and-hold", "gains"),
+        ("noise", "passive-followed-best", "gains"),
+    ]
 
 
 @pytest.mark.parametrize(
     ("changes", "differ"),
     [
-        ({"shift": {("fit", "1.0", PASSIVE): -9.0}},
-         {"passive-followed-best"}),
-        ({"shift": {("fit", "2.0", HOLDS): 8.0}},
-         {"fit-2-0-multiple-holds", "tendon-fits-worse", "free-strain-fits-better",
-          "free-toe-force-fits-better"}),
-        ({"shift": {("validation", "2.0", HOLDS): 9.0}},
-         {"validation-2-0-multiple-holds", "muscle-predicts-better",
-          "free-strain-predicts-better", "free-toe-force-predicts-better"}),
-        ({"shift": {("onto", "2.0", PASSIVE): 6.0}},
-         {"onto-2-0-ramp-and-hold", "muscle-predicts-passive-better"}),
+        ({"shift": {("fit", "1.0", PASSIVE): -9.0}}, {"passive-followed-best"}),
+        (
+            {"shift": {("fit", "2.0", HOLDS): 8.0}},
+            {
+                "fit-2-0-multiple-holds",
+                "tendon-fits-worse",
+                "free-strain-fits-better",
+                "free-toe-force-fits-better",
+            },
+        ),
+        (
+            {"shift": {("validation", "2.0", HOLDS): 9.0}},
+            {
+                "validation-2-0-multiple-holds",
+                "muscle-predicts-better",
+                "free-strain-predicts-better",
+                "free-toe-force-predicts-better",
+            },
+        ),
+        (
+            {"shift": {("onto", "2.0", PASSIVE): 6.0}},
+            {"onto-2-0-ramp-and-hold", "muscle-predicts-passive-better"},
+        ),
         ({"bound": False}, {"mass-at-bounds"}),
         ({"short": -0.1}, {"peaks-not-reached-1-0", "peaks-not-reached-2-0"}),
-        ({"correlation": 0.1}, {"passive-active-covariances", "optimal-lengths-depend",
-                               "mass-weight-depend", "weight-passive-depend",
-                               "length-mass-depend"}),
-        ({"sem": 0.2}, {"snsem-muscle-one-to-ten", "snsem-tendon-about-one",
-                        "snsem-mass-highest-2-1"}),
+        (
+            {"correlation": 0.1},
+            {
+                "passive-active-covariances",
+                "optimal-lengths-depend",
+                "mass-weight-depend",
+                "weight-passive-depend",
+                "length-mass-depend",
+            },
+        ),
+        (
+            {"sem": 0.2},
+            {"snsem-muscle-one-to-ten", "snsem-tendon-about-one", "snsem-mass-highest-2-1"},
+        ),
     ],
-)  # fmt: skip
+)
 def test_each_rule_can_say_no(changes, differ):
     said = judged(made_up(**changes))
     said_no = {name: finding for name, finding in said.items() if finding.verdict == "differs"}

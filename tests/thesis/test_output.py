@@ -35,9 +35,16 @@ def finding_of(name: str, *views: bool | None, ours: str = NASTY) -> JudgedClaim
         return Ruling(holds, ours)
 
     claim = Claim(
-        id=name, source="3.1", statement=NASTY, number=NASTY, says=NASTY, rule=NASTY,
-        ours=rule, why=NASTY, cause="our cohort",
-    )  # fmt: skip
+        id=name,
+        source="3.1",
+        statement=NASTY,
+        number=NASTY,
+        says=NASTY,
+        rule=NASTY,
+        ours=rule,
+        why=NASTY,
+        cause="our cohort",
+    )
     names = ["", NASTY][: len(views)]
     return judge(claim, dict(zip(names, views, strict=True)))
 
@@ -78,9 +85,14 @@ def test_the_folder_holds_page_verdicts_figures_and_tables(context) -> None:
     assert {"figures/curve.png", "figures/curve.svg", "tables/long.csv", "tables/short.csv"} < names
     assert (context.folder / "tables" / "long.csv").read_text() == "a\n1.0\n\n"
     assert counts(chapters(context)) == {
-        "holds": 1, "holds under a reading": 1, "holds with the thesis's integrator": 0,
-        "same direction, smaller": 0, "calibrated": 0, "differs": 1, "cannot be checked": 1,
-    }  # fmt: skip
+        "holds": 1,
+        "holds under a reading": 1,
+        "holds with the thesis's integrator": 0,
+        "same direction, smaller": 0,
+        "calibrated": 0,
+        "differs": 1,
+        "cannot be checked": 1,
+    }
 
 
 def test_what_differs_is_counted_by_its_cause(context) -> None:

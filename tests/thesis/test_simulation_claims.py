@@ -90,17 +90,24 @@ def grid(sem=thesis_sem, ipde=thesis_ipde, vaf=thesis_vaf, off=thesis_off, subje
         if amplitude == 0.0 and factor != GRID_FACTORS[0]:
             continue
         place = {
-            "model": model, "profile": profile, "task": task, "amplitude": amplitude,
-            "factor": factor if amplitude else None, "subject": subject,
-        }  # fmt: skip
+            "model": model,
+            "profile": profile,
+            "task": task,
+            "amplitude": amplitude,
+            "factor": factor if amplitude else None,
+            "subject": subject,
+        }
         made.append(
             GridCell(
-                **place, repeat=1, vaf=vaf(place), ipde=ipde(place),
+                **place,
+                repeat=1,
+                vaf=vaf(place),
+                ipde=ipde(place),
                 sem={name: sem(place, name) for name in NAMES},
                 off={name: off(place) if name == "g1" else 0.0 for name in NAMES},
                 torque=(10.0, 8.0, 12.0),
             )
-        )  # fmt: skip
+        )
     return tuple(made)
 
 
@@ -191,14 +198,22 @@ def noisy(vaf=0.0, sem=0.0, ipde=0.0, profile="multiple-holds"):
     """Five repeats that spread evenly by so much."""
     return [
         GridCell(
-            model="muscle", profile=profile, task="part-passive", amplitude=0.1, factor=factor,
-            subject=1, repeat=repeat, vaf=99.9 + vaf * repeat / 4,
-            ipde=2.6 + ipde * repeat / 4, sem={"k_tri": 1.0 + sem * repeat / 4},
-            off={"k_tri": 0.0}, torque=(10.0, 8.0, 12.0),
+            model="muscle",
+            profile=profile,
+            task="part-passive",
+            amplitude=0.1,
+            factor=factor,
+            subject=1,
+            repeat=repeat,
+            vaf=99.9 + vaf * repeat / 4,
+            ipde=2.6 + ipde * repeat / 4,
+            sem={"k_tri": 1.0 + sem * repeat / 4},
+            off={"k_tri": 0.0},
+            torque=(10.0, 8.0, 12.0),
         )
         for factor in (0.3, 0.6)
         for repeat in range(1, 6)
-    ]  # fmt: skip
+    ]
 
 
 def test_noise_holds_below_the_thesis_spread_and_differs_above() -> None:

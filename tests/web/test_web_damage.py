@@ -30,33 +30,62 @@ SUBJECT = {"code": "S01", "group": "", "notes": "", "body_mass": None}
 def recording(name: str) -> dict[str, Any]:
     """What the database keeps of a recording."""
     return {
-        "name": name, "subject": None, "side": None, "trial": "", "condition": "",
-        "duration_s": 1.0, "emg": None, "fixed": {}, "channels": [], "files": [], "mapping": None,
+        "name": name,
+        "subject": None,
+        "side": None,
+        "trial": "",
+        "condition": "",
+        "duration_s": 1.0,
+        "emg": None,
+        "fixed": {},
+        "channels": [],
+        "files": [],
+        "mapping": None,
         "findings": [],
-    }  # fmt: skip
+    }
 
 
 def job(state: str) -> dict[str, Any]:
     return {
-        "kind": "fit", "label": "x", "state": state, "session": "", "task": {}, "about": None,
-        "message": "", "result": None, "started": None, "ended": None,
-    }  # fmt: skip
+        "kind": "fit",
+        "label": "x",
+        "state": state,
+        "session": "",
+        "task": {},
+        "about": None,
+        "message": "",
+        "result": None,
+        "started": None,
+        "ended": None,
+    }
 
 
 OTHERS: dict[str, dict[str, Any]] = {
     "fit": {
-        "name": "x", "model": "muscle", "status": "converged", "vaf": 99.0, "ipde": None,
-        "seconds": 1.0, "recordings": ["f" * 16], "names": ["x"], "starts": 1, "agreeing": 1,
-        "parameters": {}, "settings": {},
+        "name": "x",
+        "model": "muscle",
+        "status": "converged",
+        "vaf": 99.0,
+        "ipde": None,
+        "seconds": 1.0,
+        "recordings": ["f" * 16],
+        "names": ["x"],
+        "starts": 1,
+        "agreeing": 1,
+        "parameters": {},
+        "settings": {},
     },
     "session": {
-        "name": "x", "recordings": ["f" * 16], "fits": {"joint": "f" * 16},
-        "content": {"adequacy": {"grade": "doubtful"}}, "settings": {},
+        "name": "x",
+        "recordings": ["f" * 16],
+        "fits": {"joint": "f" * 16},
+        "content": {"adequacy": {"grade": "doubtful"}},
+        "settings": {},
     },
     "study": {"name": "x", "toml": 'name = "x"\nprotocol = "sine"\n', "rows": 1},
     "protocol": {"name": "x", "settings": {"profile": "multiple-holds"}},
     "upload": {"name": "x", "bytes": 1, "sha256": "", "session": "x"},
-}  # fmt: skip
+}
 
 
 def test_a_link_leads_nowhere(serve, tmp_path) -> None:
@@ -76,9 +105,19 @@ def test_a_link_leads_nowhere(serve, tmp_path) -> None:
 
 @pytest.mark.parametrize(
     "name",
-    ["uploads", "trash", "recordings/x.h5", "uploads/x", "uploads/x/y", "notes", "project.db",
-     "project.db-wal", "project.db-shm", "project.db.lock"],
-)  # fmt: skip
+    [
+        "uploads",
+        "trash",
+        "recordings/x.h5",
+        "uploads/x",
+        "uploads/x/y",
+        "notes",
+        "project.db",
+        "project.db-wal",
+        "project.db-shm",
+        "project.db.lock",
+    ],
+)
 def test_links_in_a_project_reach_nothing(tmp_path, name) -> None:
     """Of a stranger's project: `uploads/x → elsewhere` once had all of elsewhere deleted."""
     Project(tmp_path / "p").close()
@@ -245,8 +284,9 @@ def filled(folder: Path) -> tuple[str, str, str]:
         project.path("recordings", id_, ".h5").write_bytes(b"x")
         project.add("recording", recording(id_), id_)
     (project.uploads(session) / upload).write_bytes(b"y")
-    project.database.add("upload", {"name": "a.csv", "bytes": 1, "sha256": "", "session": session},
-                         upload)  # fmt: skip
+    project.database.add(
+        "upload", {"name": "a.csv", "bytes": 1, "sha256": "", "session": session}, upload
+    )
     project.database.mark("recording", gone, deleted=True)
     (folder / "recordings" / "0123456789abcdef.h5").write_bytes(b"mine")
     (folder / "uploads" / "mine.csv").write_bytes(b"mine")
@@ -332,8 +372,14 @@ def test_one_bad_row_is_one_bad_row(serve) -> None:
     damaged = browser.get("/api/damaged").json()["damaged"]
     assert Counter(name["kind"] for name in damaged) == dict.fromkeys(KINDS, len(BAD) + 2)
     for kind in (
-        "subjects", "recordings", "fits", "sessions", "jobs", "studies", "protocols",
-    ):  # fmt: skip
+        "subjects",
+        "recordings",
+        "fits",
+        "sessions",
+        "jobs",
+        "studies",
+        "protocols",
+    ):
         answer = browser.get(f"/api/{kind}")
         assert answer.status_code == 200, answer.text
         assert [entry["id"] for entry in answer.json()[kind]] == ["0" * 16], kind
@@ -351,14 +397,22 @@ def test_a_bad_step_or_draft_is_passed_over(serve) -> None:
     browser.change(seed=5)
     ((key,),) = database.rows("SELECT key FROM session")
     steps = [
-        ("draft", "{"), ("deleted", "{}"), ("draft", "[]"), ("other", "{}"),
-        ("deleted", '{"kind": 1, "id": 2}'), ("draft", '{"seed": "x", "starts": -1}'),
-    ]  # fmt: skip
+        ("draft", "{"),
+        ("deleted", "{}"),
+        ("draft", "[]"),
+        ("other", "{}"),
+        ("deleted", '{"kind": 1, "id": 2}'),
+        ("draft", '{"seed": "x", "starts": -1}'),
+    ]
     for kind, text in steps:
         database.write(
             "INSERT INTO step (session, done, label, kind, before, after) "
-            "VALUES (?, 1, 'x', ?, ?, ?)", key, kind, text, text,
-        )  # fmt: skip
+            "VALUES (?, 1, 'x', ?, ?, ?)",
+            key,
+            kind,
+            text,
+            text,
+        )
     assert browser.get("/api/draft").json()["undo"] == "x"
     assert browser.post("/api/draft/undo").json()["draft"]["seed"] == 5  # the last made no sense
     assert browser.post("/api/draft/undo").json()["draft"]["seed"] == 0

@@ -141,13 +141,18 @@ def test_what_the_check_is_sure_of_is_one_click_and_nothing_else_is(browser, sha
     units = {"Angle": "deg", "Torque": "Nm", "EMG_TA": "V"}
     roles = {"Angle": "angle", "Torque": "torque", "EMG_TA": "emg_ta"}
     mapping |= {
-        "emg": "raw", "fixed": {"g2": 0.0, "g3": 0.0, "g4": 0.0},
+        "emg": "raw",
+        "fixed": {"g2": 0.0, "g3": 0.0, "g4": 0.0},
         "channels": {
-            role: {"upload": upload, "column": column, "unit": units[column],
-                   "sign": -1 if column == "Torque" else 1}
+            role: {
+                "upload": upload,
+                "column": column,
+                "unit": units[column],
+                "sign": -1 if column == "Torque" else 1,
+            }
             for column, role in roles.items()
         },
-    }  # fmt: skip
+    }
     id_ = browser.post("/api/imports", json={"mapping": mapping}).json()["id"]
     clicks = []
     for _ in range(4):

@@ -12,8 +12,12 @@ from surae.protocol import Protocol, generate, named_device, write_protocol_csv
 
 from .conftest import PATIENCE, least
 
-SETTINGS = {"profile": "multi-sine-holds", "chirp_amplitude": 0.2, "chirp_rate": 0.3,
-            "rate_hz": 64.0}  # fmt: skip
+SETTINGS = {
+    "profile": "multi-sine-holds",
+    "chirp_amplitude": 0.2,
+    "chirp_rate": 0.3,
+    "rate_hz": 64.0,
+}
 
 
 def test_a_preview_comes_in_seconds(browser) -> None:
@@ -50,8 +54,12 @@ def test_the_page_opens_on_a_movement_that_its_device_holds(browser) -> None:
 
 
 def test_a_preview_says_what_an_expectation_says(browser) -> None:
-    body = {"settings": {**SETTINGS, "device": "achilles"}, "model": "muscle",
-            "population": "healthy", "noise": 1.0}  # fmt: skip
+    body = {
+        "settings": {**SETTINGS, "device": "achilles"},
+        "model": "muscle",
+        "population": "healthy",
+        "noise": 1.0,
+    }
     shown = browser.post("/api/protocols/preview", json=body).json()["prediction"]
     motion = generate(Protocol(**SETTINGS, device=named_device("achilles")))
     told = surae.expect(motion, "muscle", population="healthy", noise=1.0, legs=6).to_json()
@@ -79,8 +87,14 @@ def test_nothing_is_exported_beyond_limits_or_without_a_device_but_for_a_reason(
         assert words in refused.json()["error"]
         given = browser.post("/api/protocols/csv", json=body | {"reason": "a simulation"})
         assert given.content.startswith(b"# without limits: a simulation\n")
-    gentle = {**SETTINGS, "profile": "sine", "task": "passive", "chirp_amplitude": 0.0,
-              "angle_range": [-0.6, 0.2], "device": "achilles"}  # fmt: skip
+    gentle = {
+        **SETTINGS,
+        "profile": "sine",
+        "task": "passive",
+        "chirp_amplitude": 0.0,
+        "angle_range": [-0.6, 0.2],
+        "device": "achilles",
+    }
     allowed = browser.post("/api/protocols/csv", json={"settings": gentle})
     assert allowed.status_code == 200
     assert allowed.content.startswith(b"time_s")
@@ -137,9 +151,15 @@ def test_a_kept_protocol_is_the_command_lines_file(browser, tmp_path) -> None:
 
 
 def test_a_protocol_is_designed_in_the_browser(browser) -> None:
-    asked = {"device": "achilles", "angle_range": [-0.6, 0.3], "rate_hz": 64.0,
-             "durations": [10, 12], "evaluations": 15, "aim": "mean",
-             "population": "healthy"}  # fmt: skip
+    asked = {
+        "device": "achilles",
+        "angle_range": [-0.6, 0.3],
+        "rate_hz": 64.0,
+        "durations": [10, 12],
+        "evaluations": 15,
+        "aim": "mean",
+        "population": "healthy",
+    }
     job = browser.job(browser.post("/api/protocols/design", json=asked))
     assert job["state"] == "done", job
     assert "largest error" in job["message"]
@@ -149,8 +169,15 @@ def test_a_protocol_is_designed_in_the_browser(browser) -> None:
     shown = browser.post("/api/protocols/preview", json={"settings": made["settings"]}).json()
     assert shown["seconds"] == 12.0
     assert not any(limit["exceeded"] for limit in shown["limits"])
-    told = surae.design(12.0, angle_range=(-0.6, 0.3), rate_hz=64.0, aim="mean", evaluations=15,
-                        population="healthy", noise=0.5)  # fmt: skip
+    told = surae.design(
+        12.0,
+        angle_range=(-0.6, 0.3),
+        rate_hz=64.0,
+        aim="mean",
+        evaluations=15,
+        population="healthy",
+        noise=0.5,
+    )
     exported = browser.post("/api/protocols/csv", json={"settings": made["settings"]})
     lines = exported.text.splitlines()
     angle = np.array([line.split(",")[1] for line in lines[1:]], float)
@@ -161,8 +188,13 @@ def test_a_protocol_is_designed_in_the_browser(browser) -> None:
 
 @pytest.mark.slow
 def test_a_design_that_is_stopped_keeps_the_best_so_far(browser) -> None:
-    asked = {"device": "achilles", "angle_range": [-0.6, 0.3], "rate_hz": 64.0, "durations": [11.0],
-             "evaluations": 12000}  # fmt: skip
+    asked = {
+        "device": "achilles",
+        "angle_range": [-0.6, 0.3],
+        "rate_hz": 64.0,
+        "durations": [11.0],
+        "evaluations": 12000,
+    }
     job, end = browser.post("/api/protocols/design", json=asked).json(), time.monotonic() + PATIENCE
     while not ((job["progress"] or {}).get("done") or 0) > 0:
         assert time.monotonic() < end, job
@@ -180,16 +212,31 @@ def test_a_design_that_is_stopped_keeps_the_best_so_far(browser) -> None:
 
 
 def test_a_plan_that_breaks_the_limits_is_told_and_not_exported(browser) -> None:
-    plan = {"name": "wild", "seconds": 10.0, "origin": 0.0, "blend": 0.1,
-            "ramps": [[1.0, 1.0, 9.0]], "shakes": [], "bursts": []}  # fmt: skip
-    settings = {"profile": "designed", "device": "achilles", "plan": plan,
-                "angle_range": [-0.9, 0.6], "limits": [-0.9, 0.6, 1e3, 1e3],
-                "rate_hz": 64.0}  # fmt: skip
+    plan = {
+        "name": "wild",
+        "seconds": 10.0,
+        "origin": 0.0,
+        "blend": 0.1,
+        "ramps": [[1.0, 1.0, 9.0]],
+        "shakes": [],
+        "bursts": [],
+    }
+    settings = {
+        "profile": "designed",
+        "device": "achilles",
+        "plan": plan,
+        "angle_range": [-0.9, 0.6],
+        "limits": [-0.9, 0.6, 1e3, 1e3],
+        "rate_hz": 64.0,
+    }
     shown = browser.post("/api/protocols/preview", json={"settings": settings}).json()
     assert [x for x in shown["limits"] if x["exceeded"] and "velocity" in x["text"]]
     assert browser.post("/api/protocols/csv", json={"settings": settings}).status_code == 400
-    for broken in ({"limits": [0.6, -0.9, 1, 1]}, {"plan": {**plan, "ramps": [[1, 1, 0]]}},
-                   {"limits": [-9, 9, 1, 1]}):  # fmt: skip
+    for broken in (
+        {"limits": [0.6, -0.9, 1, 1]},
+        {"plan": {**plan, "ramps": [[1, 1, 0]]}},
+        {"limits": [-9, 9, 1, 1]},
+    ):
         answer = browser.post("/api/protocols/preview", json={"settings": settings | broken})
         assert answer.status_code in (400, 422), answer.text
 

@@ -70,6 +70,7 @@ def test_a_fit_tells_of_its_better_points(monkeypatch) -> None:
         following.point(spec, values, 1.0)
     following.start(1, 3, 1.0)
     assert [(m["done"], m["iteration"], m["model"]) for m in told] == [
-        (0, 1, "muscle"), (1, 5, "muscle")
-    ]  # fmt: skip
+        (0, 1, "muscle"),
+        (1, 5, "muscle"),
+    ]
     assert told[0]["values"]["m"] == pytest.approx(values[spec.names.index("m")])

@@ -65,13 +65,18 @@ def test_a_draft_is_a_request() -> None:
     draft = changed(draft, change)
     asked = settings_of(draft, ["a"])
     assert asked == FitSettings.of(
-        "muscle-tendon", fixed={"m": 2.0, "beta": 1.0}, free=("dlt_tri",),
-        start={"dlt_tri": 0.05}, bounds={"k_tri": (50.0, 600.0)},
+        "muscle-tendon",
+        fixed={"m": 2.0, "beta": 1.0},
+        free=("dlt_tri",),
+        start={"dlt_tri": 0.05},
+        bounds={"k_tri": (50.0, 600.0)},
         priors=("patient", {"f0": (2.0, 0.2)}),
-    )  # fmt: skip
+    )
     assert shown(draft)["parameters"] == {
-        **rows, "m": {"free": False, "value": 2.0}, "k_tri": {"lower": 50.0, "upper": 600.0}
-    }  # fmt: skip
+        **rows,
+        "m": {"free": False, "value": 2.0},
+        "k_tri": {"lower": 50.0, "upper": 600.0},
+    }
     draft = changed(draft, {"exclusions": {"b": [[1, 2]]}, "parameters": {"beta": None}})
     assert settings_of(draft, ["a"]) == FitSettings.of(asked, fixed={"m": 2.0})
     alone = settings_of(draft, ["b"]).weights

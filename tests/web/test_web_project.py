@@ -23,10 +23,22 @@ from .test_web_damage import SUBJECT, recording
 def started(folder: Path) -> tuple[subprocess.Popen, str]:
     """`surae serve` in a process of its own, and its address."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "surae", "serve", str(folder), "--port", "0", "--no-open",
-         "--workers", "1"],
-        stdout=subprocess.PIPE, text=True, start_new_session=True,
-    )  # fmt: skip
+        [
+            sys.executable,
+            "-m",
+            "surae",
+            "serve",
+            str(folder),
+            "--port",
+            "0",
+            "--no-open",
+            "--workers",
+            "1",
+        ],
+        stdout=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
     assert process.stdout is not None
     line = process.stdout.readline()
     assert line.startswith("surae workbench: http://127.0.0.1:"), line

@@ -22,7 +22,11 @@ def test_scripts_do_what_they_say(tmp_path) -> None:
     (tmp_path / "package.json").write_text('{"type": "module"}', encoding="utf-8")
     done = subprocess.run(
         [node, "--test", "--test-reporter=tap", *(unit.name for unit in units)],
-        cwd=tmp_path, check=False, capture_output=True, text=True, timeout=60,
-    )  # fmt: skip
+        cwd=tmp_path,
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
     assert done.returncode == 0, done.stdout
     assert "# pass 0" not in done.stdout

@@ -85,9 +85,16 @@ def test_cookies_of_other_programs_do_no_harm(serve) -> None:
     session = cookie.headers["set-cookie"].partition(";")[0]
     name = session.partition("=")[0]
     for other in (
-        'other_app={"theme":"dark"}', 'a="', "=", ";;", 'b="x; c=1', "é=ü", f"x{name}=1",
-        f"{name}=" + "x" * 43, f"{name}=\xff",
-    ):  # fmt: skip
+        'other_app={"theme":"dark"}',
+        'a="',
+        "=",
+        ";;",
+        'b="x; c=1',
+        "é=ü",
+        f"x{name}=1",
+        f"{name}=" + "x" * 43,
+        f"{name}=\xff",
+    ):
         for given in (f"{other}; {token}; {session}", f"{token}; {session}; {other}"):
             headers = {"Cookie": given.encode("latin-1")}
             assert get(server.address + "/api/draft", headers=headers).status_code == 200
@@ -157,9 +164,16 @@ def test_two_projects_on_one_computer_keep_their_sessions(serve) -> None:
 
 @pytest.mark.parametrize(
     "body",
-    ["[" * 100_000, '{"a":' * 50_000, "1" * 100_000, '{"change": {"seed": NaN}}', "\xff",
-     '{"change": {"peaks": 1e999}}', '{"change": {}, "label": "\\ud800"}'],
-)  # fmt: skip
+    [
+        "[" * 100_000,
+        '{"a":' * 50_000,
+        "1" * 100_000,
+        '{"change": {"seed": NaN}}',
+        "\xff",
+        '{"change": {"peaks": 1e999}}',
+        '{"change": {}, "label": "\\ud800"}',
+    ],
+)
 def test_json_that_is_an_attack_is_refused_in_a_line(browser, body) -> None:
     headers = {"Content-Type": "application/json"}
     answer = browser.patch("/api/draft", content=body.encode("latin-1"), headers=headers)

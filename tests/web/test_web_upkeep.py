@@ -79,8 +79,10 @@ def test_what_is_wrong_is_told_and_not_copied(filled) -> None:
     assert "3 entries are wrong" in said
     lines = upkeep.check(root)
     assert sorted(line.split(": ")[0] for line in lines.problems) == [
-        f"recording {'1' * 16} is damaged", f"recording {'a' * 16}", f"recording {'b' * 16}",
-    ]  # fmt: skip
+        f"recording {'1' * 16} is damaged",
+        f"recording {'a' * 16}",
+        f"recording {'b' * 16}",
+    ]
     assert lines.orphans == (f"fits/{'9' * 16}.json", "recordings/.surae-0123.part")
     with pytest.raises(ComputationError, match="cannot copy"):
         upkeep.backup(root, root.parent / "copy")

@@ -126,8 +126,10 @@ def test_what_is_not_marked_is_found() -> None:
     )
     assert unmarked_in_script(script) == ["No trials yet.", "of \0 fits"]
     assert unmarked_in_template('<p title="A hint">{{ _("Leg") }} or <b>Legs</b></p>') == [
-        "or", "Legs", "A hint",
-    ]  # fmt: skip
+        "or",
+        "Legs",
+        "A hint",
+    ]
 
 
 @pytest.mark.parametrize("language", LANGUAGES)

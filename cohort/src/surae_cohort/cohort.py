@@ -50,7 +50,8 @@ def cohort(
     --------
     >>> surae.cohort("legs.csv").save("cohort.json")
     """
-    settings, where = CohortSettings(**keywords), engine_of(dask, workers if dask else workers or 1)
+    settings = CohortSettings(**keywords)
+    where = engine_of(dask, workers if dask else workers or 1)
     rows = read_table(table)
     members = measured(rows, settings.angles, where, progress=progress)
     pooled = pool(members)

@@ -24,9 +24,13 @@ from surae_cohort.settings import CohortSettings
 @click.option("--output", metavar="C.json", help="Write the cohort.")
 @click.option("--report", metavar="C.html", help="Write a page with its tables and figures.")
 def command(
-    table: str, workers: int | None, dask: str | None, output: str | None, report: str | None,
+    table: str,
+    workers: int | None,
+    dask: str | None,
+    output: str | None,
+    report: str | None,
     options: dict[str, Any],
-) -> None:  # fmt: skip
+) -> None:
     """Compare groups of legs, sessions of each leg, and every leg with its group.
 
     COHORT.csv has the columns fit (a FIT.json or the folder of a session) and subject, and as far
@@ -40,9 +44,12 @@ def command(
         from surae_cohort.cohort import cohort as cohort_of
 
         cohort = cohort_of(
-            table, **options, dask=dask, workers=workers if dask else workers or cores(),
+            table,
+            **options,
+            dask=dask,
+            workers=workers if dask else workers or cores(),
             progress=partial(progress.parts, "legs"),
-        )  # fmt: skip
+        )
 
     if output is not None:
         cohort.save(output)

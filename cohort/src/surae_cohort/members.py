@@ -34,9 +34,11 @@ from surae_cohort.runner import Died, Engine, results
 
 _LABELS = ("subject", "side", "group", "session")
 #: Rounds of a refit, at most; it ends where no median moves by more than this part of its spread.
-_ROUNDS, _RESTS = 3, 0.1
+_ROUNDS = 3
+_RESTS = 0.1
 #: Least spread of a prior, and legs from which a group is a population of its own.
-_NARROWEST, _POPULATION = 0.02, 5
+_NARROWEST = 0.02
+_POPULATION = 5
 
 PriorTable = dict[str, tuple[float, float]]
 
@@ -98,9 +100,12 @@ def _number(text: str) -> float | None:
 
 
 def measured(
-    rows: Sequence[tuple[Path, CohortMember]], angles: Sequence[float], engine: Engine,
-    priors: Mapping[str, PriorTable] | None = None, progress: Progress | None = None,
-) -> list[CohortMember]:  # fmt: skip
+    rows: Sequence[tuple[Path, CohortMember]],
+    angles: Sequence[float],
+    engine: Engine,
+    priors: Mapping[str, PriorTable] | None = None,
+    progress: Progress | None = None,
+) -> list[CohortMember]:
     """The rows with what their fits bring; with priors by group, of fits made anew with them."""
     calls = {
         str(i): {
@@ -170,12 +175,15 @@ def populations(
     for group in groups:
         priors[group] = dict(known[group]) if known else {}
         for name, (values, sds) in _positive(members, group).items():
-            y, sd = np.log(values), sds / values
+            y = np.log(values)
+            sd = sds / values
             if known is None:
                 effects = random_effects(y, sd**2)
-                mean, spread = effects.mean, math.sqrt(effects.tau2 + effects.se**2)
+                mean = effects.mean
+                spread = math.sqrt(effects.tau2 + effects.se**2)
             elif name in known[group]:
-                mean, spread = float(y.mean()), math.sqrt(float(np.var(y) + (sd**2).mean()))
+                mean = float(y.mean())
+                spread = math.sqrt(float(np.var(y) + (sd**2).mean()))
             else:
                 continue
             priors[group][name] = (math.exp(mean), max(spread, _NARROWEST))
@@ -202,11 +210,15 @@ def _positive(
 
 
 def refitted(
-    rows: Sequence[tuple[Path, CohortMember]], members: Sequence[CohortMember],
-    angles: Sequence[float], engine: Engine, progress: Progress | None = None,
-) -> tuple[list[CohortMember], int]:  # fmt: skip
+    rows: Sequence[tuple[Path, CohortMember]],
+    members: Sequence[CohortMember],
+    angles: Sequence[float],
+    engine: Engine,
+    progress: Progress | None = None,
+) -> tuple[list[CohortMember], int]:
     """Every leg fitted again with its population, until that rests; and the rounds it took."""
-    known, latest = populations(members), list(members)
+    known = populations(members)
+    latest = list(members)
     for number in range(1, _ROUNDS + 1):
         latest = measured(rows, angles, engine, known, progress)
         renewed = populations(latest, known)

@@ -2,5 +2,6 @@
 
 import click
 
-DASK = click.option("--dask", metavar="ADDRESS",
-                    help="Scheduler of a Dask cluster to run on instead.")  # fmt: skip
+DASK = click.option(
+    "--dask", metavar="ADDRESS", help="Scheduler of a Dask cluster to run on instead."
+)

@@ -28,9 +28,12 @@ def cohort_report(cohort: Cohort, *, created: datetime) -> Report:
             label = f"{p.name} [{p.unit}]"
             figures.append((p.name, forest_figure(p), _FOREST))
             if over := _over_sessions(cohort, p.name):
-                order = list(dict.fromkeys(m.session for m in sorted(
-                    cohort.members, key=lambda m: natural_order(m.session)
-                )))  # fmt: skip
+                order = list(
+                    dict.fromkeys(
+                        m.session
+                        for m in sorted(cohort.members, key=lambda m: natural_order(m.session))
+                    )
+                )
                 title = f"{p.name} over sessions"
                 figures.append((title, sessions_figure(label, order, over), _LINES))
     groups = cohort.as_table()
@@ -48,17 +51,21 @@ def cohort_report(cohort: Cohort, *, created: datetime) -> Report:
     ]
     tables = (
         ("No fit", ("Leg", "Why"), [(m.row, m.missing) for m in cohort.members if m.missing]),
-        ("Differences and changes", ("Of", "Between", "Which", "Difference", "95 % interval", "p",
-                                     "Legs", "Unit"), contrasts),
+        (
+            "Differences and changes",
+            ("Of", "Between", "Which", "Difference", "95 % interval", "p", "Legs", "Unit"),
+            contrasts,
+        ),
         ("Clinical scales", ("Of", "Scale", "Legs", "Spearman’s ρ", "p"), scales),
         ("Groups", [head.capitalize() for head in groups.heads], groups.rows),
-    )  # fmt: skip
+    )
     sections: list[block.Section | None] = []
     for title, heads, rows in tables:
         texts = block.rows(tuple(map(str, row)) for row in rows)
         table = block.Grid(title, block.columns(*heads), texts)
         sections.append(block.Section(title, (table,)) if rows else None)
-    first, later = filter(None, sections[:2]), filter(None, sections[2:])
+    first = filter(None, sections[:2])
+    later = filter(None, sections[2:])
     legs = f"Cohort of {len({m.leg for m in cohort.members})} legs"
     about = (
         "Every leg counts as much as its interval allows (random effects, REML; intervals of means "

@@ -70,7 +70,8 @@ def random_effects(values: FloatArray, variances: FloatArray) -> Effects:
     """Mean and spread of at least `FEWEST` finite values, shape (k,), with known variances."""
     from scipy.optimize import minimize_scalar
 
-    y, v = np.asarray(values, dtype=float), np.asarray(variances, dtype=float)
+    y = np.asarray(values, dtype=float)
+    v = np.asarray(variances, dtype=float)
     scale = max(float(np.var(y)), float(np.median(v)), 1e-300)
 
     def against(tau2: float) -> float:
@@ -194,16 +195,27 @@ class Cohort(Tabular, Saved):
 
     def as_table(self) -> TextTable:
         """Every group, then differences and changes that are shown, and who is left out."""
-        rows, notes, every = [], [], self.pooled.values()
+        rows = []
+        notes = []
+        every = self.pooled.values()
         for p in every:
             for group, effects in p.groups.items():
                 text = estimate(effects.mean, effects.se, effects.ci95)
                 spread = significant(effects.between, 2)
                 left_out = "; ".join(f"{count}: {why}" for why, count in p.left_out.items())
-                rows.append((
-                    p.name, group or "all", str(effects.k), text.value, text.interval, spread,
-                    p.unit, str(p.at_bound or ""), left_out,
-                ))  # fmt: skip
+                rows.append(
+                    (
+                        p.name,
+                        group or "all",
+                        str(effects.k),
+                        text.value,
+                        text.interval,
+                        spread,
+                        p.unit,
+                        str(p.at_bound or ""),
+                        left_out,
+                    )
+                )
             for kind, contrasts in (("differs", p.differences), ("changed", p.changes)):
                 notes += [
                     f"{p.name} {kind}, {key or 'all'}: {c.difference:.3g} {p.unit} "
@@ -215,8 +227,17 @@ class Cohort(Tabular, Saved):
         notes += [f"{m.row}: no fit ({m.missing})" for m in self.members if m.missing]
         if self.rounds:
             notes.append(f"every leg was fitted again with its population, {self.rounds} rounds")
-        heads = ("of", "group", "legs", "mean", "95 % interval", "spread", "unit", "at a bound",
-                 "left out")  # fmt: skip
+        heads = (
+            "of",
+            "group",
+            "legs",
+            "mean",
+            "95 % interval",
+            "spread",
+            "unit",
+            "at a bound",
+            "left out",
+        )
         return TextTable(heads, tuple(rows), below=tuple(notes), numbers=heads[2:6])
 
     def as_dict(self) -> dict[str, Any]:
@@ -287,7 +308,8 @@ def _pooled(
 ) -> Pooled:
     left_out: Counter[str] = Counter()
     usable: list[tuple[CohortMember, Quantity, float, float]] = []
-    at_bound, known = 0, None
+    at_bound = 0
+    known = None
     for member in first:
         q = None if member.quantities is None else member.quantities.by_name.get(name)
         known = q or known
@@ -304,20 +326,29 @@ def _pooled(
         else:
             left_out[q.missing or "it has no interval"] += 1
     assert known is not None
-    groups = _effects({
-        group: [(y, v) for m, _, y, v in usable if m.group == group]
-        for group in sorted({m.group for m in first})
-    })  # fmt: skip
+    groups = _effects(
+        {
+            group: [(y, v) for m, _, y, v in usable if m.group == group]
+            for group in sorted({m.group for m in first})
+        }
+    )
     changed = _effects(changes)
     legs = tuple(_among(m, y, v, groups.get(m.group)) for m, q, y, v in usable if not q.at_bound)
     return Pooled(
-        known.name, known.unit, known.meaning, known.kind, FrozenDict(groups), legs,
-        FrozenDict({f"{a} → {b}": _contrast(groups[a], groups[b])
-                    for a, b in combinations(groups, 2)}),
+        known.name,
+        known.unit,
+        known.meaning,
+        known.kind,
+        FrozenDict(groups),
+        legs,
+        FrozenDict(
+            {f"{a} → {b}": _contrast(groups[a], groups[b]) for a, b in combinations(groups, 2)}
+        ),
         FrozenDict({group: _shown(e.student, e.k) for group, e in changed.items()}),
         _scales([(m, y) for m, q, y, _ in usable if not q.at_bound]),
-        FrozenDict(left_out), at_bound,
-    )  # fmt: skip
+        FrozenDict(left_out),
+        at_bound,
+    )
 
 
 def _effects(pairs: Mapping[str, Sequence[tuple[float, float]]]) -> dict[str, Effects]:
@@ -351,7 +382,8 @@ def _changes(
     """Differences of last and first session and their variances, by quantity and group."""
     by_quantity: dict[str, dict[str, list[tuple[float, float]]]] = {}
     for each in sessions.values():
-        before, after = each[0].quantities, each[-1].quantities
+        before = each[0].quantities
+        after = each[-1].quantities
         if len(each) < 2 or before is None or after is None:
             continue
         compared = compare_sessions(before, after)
@@ -369,7 +401,8 @@ def _scales(usable: Sequence[tuple[CohortMember, float]]) -> FrozenDict[str, Cor
     correlations = {}
     for scale in sorted({s for m, _ in usable for s in m.scales}):
         pairs = [(m.scales[scale], y) for m, y in usable if scale in m.scales]
-        values, marks = np.array([y for _, y in pairs]), np.array([s for s, _ in pairs])
+        values = np.array([y for _, y in pairs])
+        marks = np.array([s for s, _ in pairs])
         if len(pairs) >= 4 and np.ptp(values) > 0 and np.ptp(marks) > 0:
             rho, p = spearmanr(marks, values)
             correlations[scale] = Correlation(float(rho), float(p), len(pairs))

@@ -74,9 +74,11 @@ Batch = list[tuple[str, "Plain | Died"]]
 
 
 def results(
-    work: Work, calls: Mapping[str, Mapping[str, Plain]], engine: Engine,
+    work: Work,
+    calls: Mapping[str, Mapping[str, Plain]],
+    engine: Engine,
     stop: threading.Event | None = None,
-) -> Generator[Batch]:  # fmt: skip
+) -> Generator[Batch]:
     """Do calls, each `work` with keywords by its key, in any order; hand over what comes of them.
 
     A call that was at work when a worker died is done again, alone, so that only the guilty one is
@@ -88,7 +90,8 @@ def results(
         pool = _Cluster(engine.address)
     else:
         pool = (_Threads if engine.kind == "threads" else _Processes)(engine.workers)
-    waiting, suspects = deque(calls), deque[str]()
+    waiting = deque(calls)
+    suspects = deque[str]()
     deaths: Counter[str] = Counter()
     flying: dict[Future[Plain], str] = {}
     try:
@@ -190,7 +193,8 @@ class _DeadError(Exception):
 class _Processes(_Pool):
     """Children, made anew when one dies; a thread waits for each."""
 
-    died, deaths = (_DeadError,), 3
+    died = (_DeadError,)
+    deaths = 3
 
     def __init__(self, workers: int) -> None:
         super().__init__(workers)
@@ -247,7 +251,8 @@ class _Cluster(_Pool):
             self._client.close()
             raise ComputationError(f"{cannot} has a worker; start some and {AGAIN}") from None
         self._executor = self._client.get_executor(pure=False)
-        self._ahead, self._latest = 0, -_OFTEN
+        self._ahead = 0
+        self._latest = -_OFTEN
 
     def submit(self, work: Work, keywords: Mapping[str, Plain]) -> Future[Plain]:
         future: Future[Plain] = self._executor.submit(_in_cluster, work, dict(keywords))

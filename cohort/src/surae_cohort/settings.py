@@ -10,10 +10,14 @@ class CohortSettings(Request):
     """What is done with many legs; see `surae.cohort`."""
 
     refit: bool = setting(
-        False, "Learn the population from the fits and fit every leg again with it, until both "
-        "rest.", help="Learn the population and fit every leg again with it.",
-    )  # fmt: skip
+        False,
+        "Learn the population from the fits and fit every leg again with it, until both rest.",
+        help="Learn the population and fit every leg again with it.",
+    )
     angles: tuple[float, ...] = setting(
-        (10.0,), "Where torque and stiffness are given [deg].", option="angle", metavar="DEG",
+        (10.0,),
+        "Where torque and stiffness are given [deg].",
+        option="angle",
+        metavar="DEG",
         help="Where torque and stiffness are given; may be repeated.  [default: 10]",
-    )  # fmt: skip
+    )

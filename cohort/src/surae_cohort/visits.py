@@ -46,13 +46,16 @@ def visits_report(
     sides = [fixed_quantities(visit.fit, end) for visit in visits]
     legs = visits[before].side != visits[after].side
     change = compare_sessions(sides[before], sides[after], legs=legs)
-    lead, points = LEADING[0], []
+    lead = LEADING[0]
+    points = []
     for visit, side in zip(visits, sides, strict=True):
         one = side.by_name.get(lead)
         if one is not None and one.value is not None and math.isfinite(one.session):
             points.append((visit.day, visit.side, one.value, NORMAL * one.session))
-    blocks = [block.Text(f"{visits[before].name} → {visits[after].name}", "note"),
-              *change_card(change, _)]  # fmt: skip
+    blocks = [
+        block.Text(f"{visits[before].name} → {visits[after].name}", "note"),
+        *change_card(change, _),
+    ]
     figures: list[tuple[str, Figure]] = []
     first = sides[before].by_name.get(lead)
     difference = change.measures.get(lead)
@@ -62,25 +65,33 @@ def visits_report(
         unit = difference.unit.replace("deg", "°")
         title = _("Stiffness") + f" [{unit}]"
         figures.append(("visits", over_time_figure(points, band, title, _)))
-        said = _("Stiffness {range}. Bars: 95 % of what another session would find.",
-                 range=over(difference, _))  # fmt: skip
+        said = _(
+            "Stiffness {range}. Bars: 95 % of what another session would find.",
+            range=over(difference, _),
+        )
         if smallest is not None:
             number = _.number(significant(smallest, 2))
-            said += " " + _("Grey: differences below {smallest} Nm/° that these recordings cannot "
-                            "show.", smallest=number)  # fmt: skip
+            said += " " + _(
+                "Grey: differences below {smallest} Nm/° that these recordings cannot show.",
+                smallest=number,
+            )
         if lost := len(visits) - len(points):
-            said += " " + _.many("{n} visit has no stiffness that can be compared.",
-                                 "{n} visits have no stiffness that can be compared.",
-                                 lost)  # fmt: skip
+            said += " " + _.many(
+                "{n} visit has no stiffness that can be compared.",
+                "{n} visits have no stiffness that can be compared.",
+                lost,
+            )
         blocks.append(block.Picture("visits", _("Stiffness over the visits"), said, "here", 100))
     document = block.Document("", "", "", "", tuple(blocks), "", language)
     return Report(document, figures)
 
 
 def visits_blocks(
-    visits: Sequence[tuple[str, date, str, Fit | PathLike]], before: int, after: int,
+    visits: Sequence[tuple[str, date, str, Fit | PathLike]],
+    before: int,
+    after: int,
     language: str = "en",
-) -> dict[str, Any]:  # fmt: skip
+) -> dict[str, Any]:
     """What changed between two of these visits, and stiffness over all of them, as plain data.
 
     A visit is its name, its day, its side and its fit; see `visits_report`.
@@ -91,9 +102,11 @@ def visits_blocks(
 
 
 def over_time_figure(
-    points: Sequence[tuple[date, str, float, float]], band: tuple[float, float] | None, title: str,
+    points: Sequence[tuple[date, str, float, float]],
+    band: tuple[float, float] | None,
+    title: str,
     _: Words,
-) -> Figure:  # fmt: skip
+) -> Figure:
     """A value over the days of visits, by side, each with its half-width.
 
     `band` is the middle and half-width of what could not be told from the visit compared with.
@@ -110,12 +123,25 @@ def over_time_figure(
         mark, colour, shift = looks.get(side, ("o", INK, 0.0))
         own = sorted(point for point in points if point[1] == side)
         at = [(day - days[0]).days + shift for day, *_rest in own]
-        values, halves = [value for *_at, value, _h in own], [half for *_at, half in own]
-        axes.errorbar(at, values, halves, fmt=f"{mark}-", color=colour, ms=5, lw=1.2, capsize=3,
-                      label=names.get(side, "_"))  # fmt: skip
+        values = [value for *_at, value, _h in own]
+        halves = [half for *_at, half in own]
+        axes.errorbar(
+            at,
+            values,
+            halves,
+            fmt=f"{mark}-",
+            color=colour,
+            ms=5,
+            lw=1.2,
+            capsize=3,
+            label=names.get(side, "_"),
+        )
     dress(axes, title, _("Day of the visit"))
-    axes.set_xticks([(day - days[0]).days for day in days], [f"{day:%Y-%m-%d}" for day in days],
-                    rotation=20 if len(days) > 2 else 0)  # fmt: skip
+    axes.set_xticks(
+        [(day - days[0]).days for day in days],
+        [f"{day:%Y-%m-%d}" for day in days],
+        rotation=20 if len(days) > 2 else 0,
+    )
     axes.margins(x=0.15)
     axes.yaxis.set_major_formatter(lambda tick, _place: _.number(f"{tick:g}".replace("-", "−")))
     if set(names) & {side for _day, side, *_rest in points}:

@@ -14,8 +14,12 @@ _ENDINGS = {"osim": ".osim", "mjcf": ".xml"}
 
 @click.command("export")
 @click.argument("fitted", metavar="FIT.json|DIR")
-@click.option("--to", type=click.Choice(list(_ENDINGS)), required=True,
-              help="OpenSim (4.5 or later) or MuJoCo.")  # fmt: skip
+@click.option(
+    "--to",
+    type=click.Choice(list(_ENDINGS)),
+    required=True,
+    help="OpenSim (4.5 or later) or MuJoCo.",
+)
 @click.option("--output", metavar="FILE", help="Model file to write.  [default: beside the fit]")
 def command(fitted: str, to: str, output: str | None) -> None:
     """Write the leg of a fit as a model for another simulator.

@@ -36,7 +36,8 @@ class ExportedModel:
     @property
     def agreement(self) -> str:
         """How near the torque is, as a sentence or two."""
-        name, part = FORMATS[self.to][0], 100.0 * self.rms / self.largest
+        name = FORMATS[self.to][0]
+        part = 100.0 * self.rms / self.largest
         text = (
             f"Held still, the torque in {name} differs from ours by {self.rms:.3g} Nm rms "
             f"({part:.2g} % of the largest). Movement is not compared: there tissue relaxes, and "
@@ -81,7 +82,8 @@ def export(fit: Fit | PathLike, *, to: str) -> ExportedModel:
     if to not in FORMATS:
         raise InputError(f"to is {to!r}; use one of: {', '.join(FORMATS)}")
     given = fit_of(fit)
-    result, problem = given.result, given.result.problem
+    result = given.result
+    problem = given.result.problem
     leg = Leg(problem.spec, problem.options, result.values, problem.inputs)
     if "l0_tri" not in leg.values:
         raise InputError(

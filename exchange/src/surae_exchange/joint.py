@@ -18,7 +18,8 @@ from surae_exchange.muscles import (
 )
 
 #: Angles, and parts of the largest activity, at which muscles are compared.
-_ANGLES, _PARTS = 41, (0.25, 0.5, 0.75, 1.0)
+_ANGLES = 41
+_PARTS = (0.25, 0.5, 0.75, 1.0)
 #: Force that is the largest where no recording has one [N].
 _NO_PEAK = 1000.0
 #: Degree of the polynomial that is the logarithm of the tissue's force over length.
@@ -63,7 +64,8 @@ class Springs:
     def fitted(cls, length: FloatArray, force: FloatArray) -> "Springs":
         """Springs whose force [N] is that at lengths of the path [m], and straight in between."""
         order = np.argsort(length)[::2]
-        length, force = length[order], force[order]
+        length = length[order]
+        force = force[order]
         slopes = np.diff(force) / np.diff(length)
         first = max(length[0] - force[0] / slopes[0], 0.0)
         return cls((first, *length[1:-1].tolist()), (slopes[0], *np.diff(slopes).tolist()))
@@ -94,7 +96,8 @@ class JointMuscle:
 
     def torque(self, angle: FloatArray, velocity: FloatArray, active: FloatArray) -> FloatArray:
         """Torque at angles [rad], their velocity [rad/s] and activation [Nm]."""
-        length, arm = self.path.length(angle), self.path.arm(angle)
+        length = self.path.length(angle)
+        arm = self.path.arm(angle)
         pull = self.muscle.force(length, arm * velocity, active) + self.tissue.force(length)
         return np.asarray(arm * pull)
 
@@ -123,7 +126,10 @@ def joint_of(leg: Leg, moved: tuple[float, float], *, springs: bool) -> JointMod
     """
     degrees = np.linspace(*moved, _ANGLES)
     angle = np.radians(degrees)
-    still, muscles, ours, theirs = np.zeros_like(angle), [], [], []
+    still = np.zeros_like(angle)
+    muscles = []
+    ours = []
+    theirs = []
     for group in GROUPS:
         arm = np.array([leg.hold(group, at).arm for at in degrees.tolist()])
         path = (WrappedPath if springs else PolynomialPath).through(angle, arm)
@@ -145,11 +151,16 @@ def joint_of(leg: Leg, moved: tuple[float, float], *, springs: bool) -> JointMod
     )
     bare = leg.with_values(dict.fromkeys(missing, 0.0))
     return JointModel(
-        leg.options.anatomy, leg.values["m"], leg.options.theta_foot,
-        (float(angle[0]), float(angle[-1])), (muscles[0], muscles[1]),
-        _rms(apart), float(np.abs(own).max()), missing,
+        leg.options.anatomy,
+        leg.values["m"],
+        leg.options.theta_foot,
+        (float(angle[0]), float(angle[-1])),
+        (muscles[0], muscles[1]),
+        _rms(apart),
+        float(np.abs(own).max()),
+        missing,
         _apart(leg, bare) if missing and leg.inputs else 0.0,
-    )  # fmt: skip
+    )
 
 
 def _held(leg: Leg, group: str, degrees: FloatArray, length: FloatArray) -> HeldMuscle:
@@ -164,12 +175,21 @@ def _held(leg: Leg, group: str, degrees: FloatArray, length: FloatArray) -> Held
     # our lengths along the path: straight enough over the range
     x = np.array([leg.rigid_length(group, at) for at in every])
     ratio, offset = np.polyfit(x, length, 1).tolist()
-    l0, values = leg.optimal_length(group), leg.values
+    l0 = leg.optimal_length(group)
+    values = leg.values
     stretch = ratio * elongation(leg.tendon(group), peak) if leg.is_compliant else 0.0
     return HeldMuscle(
-        length, tissue, states, active - tissue, offset + ratio * l0, ratio * l0, peak,
-        leg.options.vmax_factor, values["beta"] / (np.pi * values["f0"]), stretch,
-    )  # fmt: skip
+        length,
+        tissue,
+        states,
+        active - tissue,
+        offset + ratio * l0,
+        ratio * l0,
+        peak,
+        leg.options.vmax_factor,
+        values["beta"] / (np.pi * values["f0"]),
+        stretch,
+    )
 
 
 def _excitation(leg: Leg, group: str, recording: int) -> FloatArray:

@@ -26,13 +26,17 @@ def mjcf(joint: JointModel, comments: list[str]) -> str:
     # dorsiflexion turns x into z; the foot lies by θ_foot below the horizontal
     axis = {"name": f"{anatomy.name}_angle", "type": "hinge", "axis": "0 -1 0"}
     SubElement(foot, "joint", axis, limited="false", range=row(*joint.moved))
-    turned, distance = joint.theta_foot, anatomy.distance
+    turned = joint.theta_foot
+    distance = anatomy.distance
     at = distance * math.cos(turned), 0.0, -distance * math.sin(turned)
     inertia = row(_POINT, _POINT, _POINT)
     SubElement(foot, "inertial", pos=row(*at), mass=row(joint.mass), diaginertia=inertia)
-    tendons, actuators = SubElement(model, "tendon"), SubElement(model, "actuator")
+    tendons = SubElement(model, "tendon")
+    actuators = SubElement(model, "actuator")
     for of in joint.muscles:
-        muscle, springs, name = of.muscle, of.tissue, of.name
+        muscle = of.muscle
+        springs = of.tissue
+        name = of.name
         assert isinstance(muscle, MujocoMuscle)
         assert isinstance(springs, Springs)
         path = of.path
@@ -41,10 +45,17 @@ def mjcf(joint: JointModel, comments: list[str]) -> str:
         for end, (forward, up) in (("insertion", path.insertion), ("side", path.side)):
             SubElement(foot, "site", name=f"{name}_{end}", pos=row(forward, 0.0, up))
         SubElement(
-            foot, "geom", name=f"{name}_bone", type="cylinder", size=row(path.radius, 0.02),
-            pos=row(path.forward, 0.0, path.up), euler=row(math.pi / 2.0, 0.0, 0.0),
-            contype="0", conaffinity="0", mass="0",
-        )  # fmt: skip
+            foot,
+            "geom",
+            name=f"{name}_bone",
+            type="cylinder",
+            size=row(path.radius, 0.02),
+            pos=row(path.forward, 0.0, path.up),
+            euler=row(math.pi / 2.0, 0.0, 0.0),
+            contype="0",
+            conaffinity="0",
+            mass="0",
+        )
         pulls: list[tuple[str, dict[str, str]]] = [(name, {})]
         pulls += [
             (f"{name}_tissue_{i}", {"springlength": row(0.0, at), "stiffness": row(stiffness)})
@@ -60,8 +71,17 @@ def mjcf(joint: JointModel, comments: list[str]) -> str:
         ends = (muscle.slack + at * muscle.optimal for at in _RANGE)
         gain = (*_RANGE, muscle.peak, 200.0, muscle.lmin, muscle.lmax, muscle.speed, 1.0, FECC)
         SubElement(
-            actuators, "general", name=name, tendon=name, ctrlrange="0 1", ctrllimited="true",
-            dyntype="filterexact", dynprm=row(muscle.lag), gaintype="muscle", gainprm=row(*gain),
-            biastype="none", lengthrange=row(*ends),
-        )  # fmt: skip
+            actuators,
+            "general",
+            name=name,
+            tendon=name,
+            ctrlrange="0 1",
+            ctrllimited="true",
+            dyntype="filterexact",
+            dynprm=row(muscle.lag),
+            gaintype="muscle",
+            gainprm=row(*gain),
+            biastype="none",
+            lengthrange=row(*ends),
+        )
     return text_of(model, comments)

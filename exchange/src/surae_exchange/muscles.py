@@ -20,7 +20,8 @@ _LENGTH = 0.5
 #: Degree of the polynomial of an arm by the angle.
 _DEGREE = 5
 #: What is left on the cylinder where the path is shortest [rad]; from there to the insertion [m].
-_WRAPPED, _END = 0.3, 0.01
+_WRAPPED = 0.3
+_END = 0.01
 #: Curves of De Groote et al. (2016) as OpenSim has them: three bells of force over length, force
 #: over velocity and its slope at rest, scale of the tendon's.
 _FL = (
@@ -35,7 +36,8 @@ _TENDON = 0.2
 _HALVINGS = 40
 M = TypeVar("M", "DeGrooteMuscle", "MujocoMuscle")
 #: Ends of what is fitted of a muscle: optimum [optimal lengths from where it is assumed], widths.
-_SHIFT, _WIDE = 3.0, 4.0
+_SHIFT = 3.0
+_WIDE = 4.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +79,8 @@ class WrappedPath:
     @classmethod
     def through(cls, angle: FloatArray, arm: FloatArray) -> "WrappedPath":
         """The path whose arm is nearest to these [m], signed as torque is."""
-        sign, mean = (1.0 if float(np.mean(arm)) > 0 else -1.0), float(np.mean(np.abs(arm)))
+        sign = 1.0 if float(np.mean(arm)) > 0 else -1.0
+        mean = float(np.mean(np.abs(arm)))
         last = float(np.max(-sign * angle)) + _WRAPPED
 
         def of(at: FloatArray) -> WrappedPath:
@@ -109,8 +112,10 @@ class WrappedPath:
 
     def _middle(self, angle: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Middle of the cylinder: towards the path's side, and up [m]."""
-        cos, sin = np.cos(angle), np.sin(angle)
-        forward, up = self.forward * cos - self.up * sin, self.forward * sin + self.up * cos
+        cos = np.cos(angle)
+        sin = np.sin(angle)
+        forward = self.forward * cos - self.up * sin
+        up = self.forward * sin + self.up * cos
         return -self.sign * forward, up
 
     def _seen(self, angle: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -132,8 +137,11 @@ class WrappedPath:
     def insertion(self) -> tuple[float, float]:
         """Where it ends at 0 rad, forward and up of the axis [m]."""
         # from the side, turned down, and on along the tangent
-        cos, sin, radius = np.cos(self.last), np.sin(self.last), self.radius
-        outward, down = radius * cos - _END * sin, radius * sin + _END * cos
+        cos = np.cos(self.last)
+        sin = np.sin(self.last)
+        radius = self.radius
+        outward = radius * cos - _END * sin
+        down = radius * sin + _END * cos
         return float(self.forward - self.sign * outward), float(self.up - down)
 
 
@@ -156,7 +164,8 @@ class HeldMuscle:
         self, of: "Callable[[FloatArray], M]", start: Sequence[float], *bounds: Sequence[float]
     ) -> "M":
         """The muscle of numbers between bounds whose active force is nearest to this one's."""
-        still, shares = np.zeros_like(self.length), self.states / self.peak
+        still = np.zeros_like(self.length)
+        shares = self.states / self.peak
 
         def missing(at: FloatArray) -> FloatArray:
             muscle = of(at)
@@ -192,7 +201,8 @@ class DeGrooteMuscle:
 
         def of(at: FloatArray) -> DeGrooteMuscle:
             # its curve has no width of its own: that is the optimal length's
-            optimal, peak = float(at[2] * held.optimal), float(at[1] * held.peak)
+            optimal = float(at[2] * held.optimal)
+            peak = float(at[1] * held.peak)
             slack = float(held.optimum + at[0] * held.optimal) - optimal
             strain = float(at[3] * held.stretch / slack)
             return cls(peak, optimal, slack, strain, float(speed / at[2]), held.lag)
@@ -212,13 +222,15 @@ class DeGrooteMuscle:
         if self.strain == 0.0:
             held = moving * self._held((length - self.slack) / self.optimal)
             return self.peak * np.clip(held, 0.0, FECC)
-        low, high = np.zeros_like(length), np.full_like(length, FECC)
+        low = np.zeros_like(length)
+        high = np.full_like(length, FECC)
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
             stretch = self.strain * np.log1p(middle / _TENDON) / np.log1p(1.0 / _TENDON)
             fibre = (length - self.slack * (1.0 + stretch)) / self.optimal
             more = moving * self._held(fibre) > middle
-            low, high = np.where(more, middle, low), np.where(more, high, middle)
+            low = np.where(more, middle, low)
+            high = np.where(more, high, middle)
         return self.peak * 0.5 * (low + high)
 
     def _held(self, fibre: FloatArray) -> FloatArray:
@@ -252,7 +264,9 @@ class MujocoMuscle:
 
         def of(at: FloatArray) -> MujocoMuscle:
             slack = float(held.optimum + (at[0] - 1.0) * held.optimal)
-            low, high, peak = float(1.0 - at[2]), float(1.0 + at[3]), float(at[1] * held.peak)
+            low = float(1.0 - at[2])
+            high = float(1.0 + at[3])
+            peak = float(at[1] * held.peak)
             return cls(peak, held.optimal, slack, low, high, speed, held.lag)
 
         start = 0.5 * held.stretch / held.optimal, 1.0, 0.6, 0.6
@@ -260,7 +274,8 @@ class MujocoMuscle:
 
     def force(self, length: FloatArray, speed: FloatArray, activation: FloatArray) -> FloatArray:
         """Force [N] where the path is so long [m] and lengthens so fast [m/s]."""
-        fibre, along = (length - self.slack) / self.optimal, speed / (self.optimal * self.speed)
+        fibre = (length - self.slack) / self.optimal
+        along = speed / (self.optimal * self.speed)
         # a bump of four parabolas between lmin, 1 and lmax
         side = np.where(fibre < 1.0, 1.0 - self.lmin, self.lmax - 1.0)
         away = np.abs(fibre - 1.0) / side

@@ -21,13 +21,37 @@ from surae_formats import (
 
 #: In the order in which they are asked.
 READERS: tuple[FormatModule, ...] = (
-    matlab, poly5, edf, xdf, c3d, excel, trigno, vicon, labview, parquet, filelb, acqknowledge,
-)  # fmt: skip
+    matlab,
+    poly5,
+    edf,
+    xdf,
+    c3d,
+    excel,
+    trigno,
+    vicon,
+    labview,
+    parquet,
+    filelb,
+    acqknowledge,
+)
 #: How the names of their files end, beside those that are text.
 ENDINGS = (
-    ".mat", ".c3d", ".edf", ".bdf", ".xdf", ".poly5", ".xlsx", ".xls", ".ods", ".lvm", ".tdms",
-    ".acq", ".parquet", ".feather", ".flb",
-)  # fmt: skip
+    ".mat",
+    ".c3d",
+    ".edf",
+    ".bdf",
+    ".xdf",
+    ".poly5",
+    ".xlsx",
+    ".xls",
+    ".ods",
+    ".lvm",
+    ".tdms",
+    ".acq",
+    ".parquet",
+    ".feather",
+    ".flb",
+)
 
 
 def recognises(source: Source) -> bool:

@@ -12,7 +12,8 @@ from surae.recording.untrusted import untrusted
 from surae_formats.foreign import Parsed, foreign_table, optional, packed
 
 #: Versions that bioread knows of, and sizes of the header's first part.
-_VERSIONS, _SIZES = range(30, 200), range(100, 20_000)
+_VERSIONS = range(30, 200)
+_SIZES = range(100, 20_000)
 
 
 def recognises(source: Source) -> bool:

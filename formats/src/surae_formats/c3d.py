@@ -30,7 +30,9 @@ from surae.recording.untrusted import untrusted
 from surae_formats.foreign import Parsed, foreign_table, optional, packed
 
 _BLOCK = 512
-_INTEL, _DEC, _MIPS = 84, 85, 86
+_INTEL = 84
+_DEC = 85
+_MIPS = 86
 #: A count of frames in 16 bits that ends here may mean more.
 _UNCOUNTED = 65535
 #: Zeros that are a frame of any file.
@@ -292,10 +294,14 @@ def _channels(
                 values = analog[:, index] - (offset if layout.signed else offset % 65536)
                 values *= scales[index] * general
         yield Parsed(
-            name, values, (0.0, rate_hz), "".join(units[index : index + 1]),
-            "; ".join(filter(None, remarks)), refused,
+            name,
+            values,
+            (0.0, rate_hz),
+            "".join(units[index : index + 1]),
+            "; ".join(filter(None, remarks)),
+            refused,
             description="".join(described[index : index + 1]),
-        )  # fmt: skip
+        )
 
 
 def _points(

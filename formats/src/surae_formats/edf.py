@@ -17,7 +17,8 @@ from surae.recording.table import Table, instants
 from surae.recording.untrusted import untrusted
 from surae_formats.foreign import Parsed, foreign_table, optional, packed
 
-_EDF, _BDF = b"0       ", b"\xffBIOSEMI"
+_EDF = b"0       "
+_BDF = b"\xffBIOSEMI"
 _BLOCK = 256
 #: Before the numbers of samples in a header, for each signal.
 _BEFORE_SAMPLES = 216
@@ -54,7 +55,8 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
                 if begins is not None:
                     within = instants(0.0, rate, per_record)
                     times[per_record] = (begins[:, None] + within[None, :]).reshape(-1)
-            label, unit = signal.label, signal.physical_dimension
+            label = signal.label
+            unit = signal.physical_dimension
             columns.append(Parsed(label, values, times[per_record], unit, gaps))
         return packed(columns)
 
@@ -65,7 +67,8 @@ class _File:
     def __init__(self, data: bytes, shown: str) -> None:
         self._binary = data.startswith(_BDF)
         self._edfio = optional("edfio", "BDF" if self._binary else "EDF", shown)
-        self._data, self._shown = data, shown
+        self._data = data
+        self._shown = shown
         self._size = int(data[184:192])
         if not _BLOCK < self._size <= len(data):
             raise InputError(f"{shown}: the file is cut short or damaged in its header")
@@ -77,8 +80,10 @@ class _File:
         if not self.signals:
             raise InputError(f"{shown}: it holds no signals, only annotations")
         for signal in self.signals:
-            low, high = signal.physical_min, signal.physical_max
-            least, most = signal.digital_min, signal.digital_max
+            low = signal.physical_min
+            high = signal.physical_max
+            least = signal.digital_min
+            most = signal.digital_max
             if not np.isfinite([low, high]).all() or low == high or least >= most:
                 raise InputError(
                     f"{shown}: column {signal.label!r}: its range ({low:g} to {high:g} for counts "
@@ -93,7 +98,8 @@ class _File:
         self._record = self._width * sum(self._samples)
         if min(self._samples) < 1:
             raise InputError(f"{shown}: a signal without samples")
-        records, complete = int(data[236:244]), (len(data) - self._size) // self._record
+        records = int(data[236:244])
+        complete = (len(data) - self._size) // self._record
         # -1: still being recorded when it was copied, or never closed.
         self.records = complete if records == -1 else records
         if complete < self.records:
@@ -134,7 +140,8 @@ class _File:
     def _read(self, first: int, count: int) -> Any:
         """Some of the records, as edfio reads them."""
         read = self._edfio.read_bdf if self._binary else self._edfio.read_edf
-        head, data = self._data[: self._size], self._data
+        head = self._data[: self._size]
+        data = self._data
         part = b""
         if count:
             begin = self._size + first * self._record

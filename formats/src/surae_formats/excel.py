@@ -17,11 +17,15 @@ from surae.recording.table import Column, Table
 from surae.recording.untrusted import untrusted
 from surae_formats.foreign import in_child, optional
 
-_MAGIC, _INSIDE = b"PK\x03\x04", (b"xl/workbook.", b"opendocument.spreadsheet")
+_MAGIC = b"PK\x03\x04"
+_INSIDE = (b"xl/workbook.", b"opendocument.spreadsheet")
 #: Workbooks before 2007: an OLE file with a stream of this name.
-_OLE, _STREAM = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "Workbook".encode("utf-16-le")
+_OLE = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
+_STREAM = "Workbook".encode("utf-16-le")
 #: Sheets; columns and rows of one, Excel's own limit.
-_MOST, _WIDEST, _LONGEST = 200, 1024, 2**20
+_MOST = 200
+_WIDEST = 1024
+_LONGEST = 2**20
 
 
 def recognises(source: Source) -> bool:
@@ -71,8 +75,11 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
                 f"{shown}: {len(book.sheet_names)} sheets, more than the {_MOST} that are read; "
                 "keep those of the recording"
             )
-        return {"sheets": {name: _text(book.get_sheet_by_name(name), shown)
-                           for name in book.sheet_names}}  # fmt: skip
+        return {
+            "sheets": {
+                name: _text(book.get_sheet_by_name(name), shown) for name in book.sheet_names
+            }
+        }
 
 
 def _text(sheet: Any, shown: str) -> str:

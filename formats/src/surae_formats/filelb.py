@@ -22,7 +22,9 @@ from surae.recording.table import Column, Table, instants, sample
 
 _VERSIONS = (2, 3, 4)
 _FORMATS = {2: "<i2", 4: "<f4"}
-_MOST_CHANNELS, _LONGEST_TEXT, _MOST_CASES = 512, 10_000, 1000
+_MOST_CHANNELS = 512
+_LONGEST_TEXT = 10_000
+_MOST_CASES = 1000
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +90,8 @@ def _cases(data: bytes) -> Iterator[_Case]:
     at = number = 0
     while at < len(data):
         case = _case(data, at)
-        at, number = case.end, number + 1
+        at = case.end
+        number = number + 1
         if at > len(data) or number > _MOST_CASES:
             raise ValueError("it states more than it holds")
         yield case
@@ -98,7 +101,8 @@ class _Reader:
     """Reads one value after another; struct.error where the file has ended."""
 
     def __init__(self, data: bytes, at: int) -> None:
-        self.data, self.at = data, at
+        self.data = data
+        self.at = at
 
     def real(self) -> float:
         """A float, as it was meant: 0.001 s and not 0.00100000005 s."""
@@ -124,15 +128,19 @@ class _Reader:
 def _case(data: bytes, at: int) -> _Case:
     """The header of the case that begins at a byte; of several realizations each is a channel."""
     reader = _Reader(data, at)
-    version, realizations = reader.count(max(_VERSIONS)), 1
+    version = reader.count(max(_VERSIONS))
+    realizations = 1
     if version not in _VERSIONS:
         raise ValueError(f"version {version}")
     if version > 2:
         reader.count(3)
         realizations = reader.count(_MOST_CHANNELS)
-    channels, samples, form = reader.count(_MOST_CHANNELS), reader.count(2**30), reader.count(4)
+    channels = reader.count(_MOST_CHANNELS)
+    samples = reader.count(2**30)
+    form = reader.count(4)
     reader.text()
-    step, start = reader.real(), reader.real()
+    step = reader.real()
+    start = reader.real()
     reader.text()
     names = tuple(reader.text() for _ in range(channels))
     reader.at += 16 * channels

@@ -21,8 +21,10 @@ from surae.recording.table import Column, Table, instants, sample
 
 #: What a reader may take at most [s, bytes], and the more for every byte of the file: pyxdf reads
 #: about 3 MB/s, SciPy and edfio hold a file several times.
-_SECONDS, _MEMORY = 10.0, 2 * 2**30
-_SECONDS_PER_BYTE, _MEMORY_PER_BYTE = 2e-6, 20
+_SECONDS = 10.0
+_MEMORY = 2 * 2**30
+_SECONDS_PER_BYTE = 2e-6
+_MEMORY_PER_BYTE = 20
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,13 +98,15 @@ def foreign_table(source: Source, format_name: str, module: str) -> Table:
         return Column(name, time, as_read_only(column.values), column.time_name, sample)
 
     return Table(
-        source.shown, format_name, tuple(column.name for column in columns),
+        source.shown,
+        format_name,
+        tuple(column.name for column in columns),
         "time" if any(isinstance(c.time, int) or c.time[1] for c in columns) else "",
         lambda wanted: {name: loaded(name) for name in wanted},
         units={name: column.unit for name, column in by_name.items() if column.unit},
         remarks={name: column.remark for name, column in by_name.items() if column.remark},
         descriptions={name: c.description for name, c in by_name.items() if c.description},
-    )  # fmt: skip
+    )
 
 
 def optional(module: str, format_name: str, shown: str) -> Any:

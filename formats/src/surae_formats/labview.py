@@ -14,7 +14,8 @@ from surae.recording.table import Table
 from surae.recording.untrusted import untrusted
 from surae_formats.foreign import Parsed, foreign_table, optional, packed
 
-_TEXT, _BINARY = b"LabVIEW Measurement", b"TDSm"
+_TEXT = b"LabVIEW Measurement"
+_BINARY = b"TDSm"
 
 
 def recognises(source: Source) -> bool:
@@ -41,7 +42,8 @@ def _segments(lvm_read: Any, data: bytes) -> Iterator[Parsed]:
     several = whole.get("X_Columns", "One") == "Multi"  # what a header says may skip their columns
     for number in range(whole["Segments"]):
         segment = whole[number]
-        block, before = np.atleast_2d(segment["data"]), f"segment {number + 1}: "
+        block = np.atleast_2d(segment["data"])
+        before = f"segment {number + 1}: "
         said = {key: values for key, values in segment.items() if isinstance(values, list)}
         if several:
             said = {k: [v for v in of if str(v) not in ("", "nan")] for k, of in said.items()}
@@ -98,7 +100,8 @@ def _groups(nptdms: Any, data: bytes) -> Iterator[Parsed]:
         for channel in channels:
             if channel.name in times:
                 continue
-            values, said = np.asarray(channel[:], dtype=np.float64), channel.properties
+            values = np.asarray(channel[:], dtype=np.float64)
+            said = channel.properties
             step = float(said.get("wf_increment", 0.0))
             own: Any = (float(said.get("wf_start_offset", 0.0)), 1.0 / step if step > 0 else 0.0)
             if not own[1]:

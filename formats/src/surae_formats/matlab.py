@@ -48,9 +48,12 @@ _LONGEST_UNIT = 100
 #: Structures within structures.
 _DEEPEST = 4
 #: Variables in a file, attributes of one, texts in one.
-_MOST_VARIABLES, _MOST_ATTRIBUTES, _MOST_TEXTS = 10_000, 50, 1000
+_MOST_VARIABLES = 10_000
+_MOST_ATTRIBUTES = 50
+_MOST_TEXTS = 1000
 #: What has no times is a signal from so many samples on; beside others, from this part of theirs.
-_SIGNAL, _SHORTEST = 100, 10
+_SIGNAL = 100
+_SHORTEST = 10
 #: How to save an object as what everybody can open, by its class; else as its structure.
 _PLAINLY = {
     "table": 's = table2struct({0}, "ToScalar", true)',
@@ -292,7 +295,8 @@ def _signals(variables: Mapping[str, Any], prefix: str, shown: str, depth: int) 
 def _spike2(name: str, channel: Mapping[str, Any]) -> Parsed:
     """A channel as Spike2 exports it."""
     values = channel["values"]
-    start, interval = _number(channel, "start", 0.0), _number(channel, "interval", float("nan"))
+    start = _number(channel, "start", 0.0)
+    interval = _number(channel, "interval", float("nan"))
     refused = remark = ""
     if len(_shape(values)) != 1:
         refused = "its values are not plain numbers stored in this file"
@@ -302,7 +306,8 @@ def _spike2(name: str, channel: Mapping[str, Any]) -> Parsed:
         return Parsed(name, np.empty(0), (0.0, 1.0), refused=refused)
     signal = _floats(values)
     if values.dtype.kind in "iu":  # the converter's counts, not yet in units
-        scale, offset = _number(channel, "scale", 1.0), _number(channel, "offset", 0.0)
+        scale = _number(channel, "scale", 1.0)
+        offset = _number(channel, "offset", 0.0)
         signal = signal * scale + offset
         remark = f"counts, scale {scale:g} and offset {offset:g} applied"
     unit = next((text for key in _UNITS if (text := _text(channel.get(key)))), "")

@@ -102,12 +102,15 @@ def _labchart(own: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
     starts, ends, rates = (_table(own[key]) for key in ("datastart", "dataend", "samplerate"))
     if data is None or starts is None or ends is None or rates is None:
         return
-    data, names, units = data.ravel(), texts(own.get("titles")), texts(own.get("unittext"))
+    data = data.ravel()
+    names = texts(own.get("titles"))
+    units = texts(own.get("unittext"))
     of_unit = _table(own.get("unittextmap"))
     scale, offset = (_table(own.get(key)) for key in ("scaleunits", "scaleoffset"))
     counts = own["data"].dtype.kind in "iu" and scale is not None and offset is not None
     for channel, block in np.ndindex(*starts.shape):
-        first, last = _at(starts, channel, block), _at(ends, channel, block)
+        first = _at(starts, channel, block)
+        last = _at(ends, channel, block)
         if not 1 <= first <= last <= len(data):
             continue  # a channel that was off in this block
         values = data[int(first) - 1 : int(last)]
@@ -118,24 +121,31 @@ def _labchart(own: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
         if starts.shape[1] > 1:
             name = f"block {block + 1}: {name}"
         rate = _at(rates, channel, block)
-        yield Parsed(prefix + name, values, _clock(rate, f"{shown}: {name}"),
-                     units[unit - 1] if 1 <= unit <= len(units) else "")  # fmt: skip
+        yield Parsed(
+            prefix + name,
+            values,
+            _clock(rate, f"{shown}: {name}"),
+            units[unit - 1] if 1 <= unit <= len(units) else "",
+        )
 
 
 def _acqknowledge(own: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
     """AcqKnowledge: a matrix ``data`` and the interval ``isi`` between its samples."""
-    data, isi = matrix(own["data"]), number(own["isi"])
+    data = matrix(own["data"])
+    isi = number(own["isi"])
     if data is None or (rows := by_channel(data)) is None:
         return
     seconds = FACTORS["time"].get(spelled("".join(texts(own["isi_units"]))) or "ms", 1e-3)
-    names, units = texts(own.get("labels")), texts(own.get("units"))
+    names = texts(own.get("labels"))
+    units = texts(own.get("units"))
     rate = 1.0 / (isi * seconds) if isi > 0 else 0.0
     yield from _rows(rows, names, units, _clock(rate, shown), prefix)
 
 
 def _otbiolab(own: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
     """OT BioLab: ``Data``, ``Time``, and in ``Description`` each channel's name and unit."""
-    data, names = matrix(own["data"]), texts(own["description"])
+    data = matrix(own["data"])
+    names = texts(own["description"])
     if data is None or (rows := by_channel(data)) is None:
         return
     time = None if own.get("time") is None else matrix(own["time"])
@@ -162,12 +172,14 @@ def _qualisys(own: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
 
 def _nldat(own: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
     """An object ``nldat``: columns of ``dataSet`` at ``domainStart`` + k ``domainIncr``."""
-    data, step = matrix(own["dataset"]), number(own["domainincr"])
+    data = matrix(own["dataset"])
+    step = number(own["domainincr"])
     if data is None or (rows := by_channel(data)) is None:
         return
     start, rate = _clock(1.0 / step if step > 0 else 0.0, shown)
     start += number(own.get("domainstart")) if rate else 0.0
-    names, units = texts(own.get("channames")), texts(own.get("chanunits"))
+    names = texts(own.get("channames"))
+    units = texts(own.get("chanunits"))
     yield from _rows(rows, names, units, (start, rate), prefix)
 
 

@@ -13,7 +13,8 @@ from surae.recording.table import Table
 from surae.recording.untrusted import untrusted
 from surae_formats.foreign import Parsed, foreign_table, optional, packed
 
-_PARQUET, _FEATHER = b"PAR1", b"ARROW1"
+_PARQUET = b"PAR1"
+_FEATHER = b"ARROW1"
 _SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
 
@@ -37,7 +38,8 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
     with untrusted(shown):
         arrow.set_cpu_count(1)
         arrow.set_io_thread_count(1)
-        buffer, is_ = io.BytesIO(data), arrow.types
+        buffer = io.BytesIO(data)
+        is_ = arrow.types
         table = (
             reader.open_file(buffer).read_all()
             if feather
@@ -45,9 +47,10 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
         )
         kinds = {field.name: field.type for field in table.schema}
         numbers = [
-            name for name, kind in kinds.items()
+            name
+            for name, kind in kinds.items()
             if is_.is_integer(kind) or is_.is_floating(kind) or is_.is_decimal(kind)
-        ]  # fmt: skip
+        ]
         name, factor = time_column(numbers, shown)
         time: Any = (0.0, 0.0)
         if name:

@@ -26,7 +26,8 @@ _HEADER = struct.Struct("<H81phhBHi4x14xiHHH64x")
 _SIGNAL = struct.Struct("<41p4x11pffffH62x")
 #: Before the samples of each block: index, time of day, reserved.
 _BLOCK_HEADER = 86
-_LOW, _HIGH = "(Lo) ", "(Hi) "
+_LOW = "(Lo) "
+_HIGH = "(Hi) "
 _Words = npt.NDArray[np.int16]
 
 
@@ -61,15 +62,20 @@ def open_table(source: Source) -> Table:
         return {name: Column(name, time, values[name], "time", sample) for name in wanted}
 
     return Table(
-        source.shown, "Poly5", tuple(signal.name for signal in signals), "time", load,
+        source.shown,
+        "Poly5",
+        tuple(signal.name for signal in signals),
+        "time",
+        load,
         units={signal.name: signal.unit for signal in signals if signal.unit},
         remarks=dict.fromkeys(by_name, remark) if remark else {},
-    )  # fmt: skip
+    )
 
 
 def _opened(source: Source) -> tuple[_Words, int, float, list[_Signal], str]:
     """Words by block, sample and signal; samples, rate [Hz], signals, what a user should know."""
-    where, data = source.shown, source.data
+    where = source.shown
+    data = source.data
     begin = next((b for b in (31, 32) if data[b : b + 2] in (b"\xcb\x00", b"\xcc\x00")), None)
     if begin is None or len(data) < begin + _HEADER.size:
         raise InputError(f"{where}: no Poly5 file of version 2.03 or 2.04, or cut short")
@@ -89,7 +95,8 @@ def _opened(source: Source) -> tuple[_Words, int, float, list[_Signal], str]:
             "the file is damaged"
         )
     complete = (len(data) - first) // (_BLOCK_HEADER + size)
-    n, remark = blocks * per_block, ""
+    n = blocks * per_block
+    remark = ""
     if complete < blocks:
         raise InputError(
             f"{where}: the file is cut short: it holds {complete} of its {blocks} blocks of samples"
@@ -101,9 +108,12 @@ def _opened(source: Source) -> tuple[_Words, int, float, list[_Signal], str]:
     if n < 2:
         raise InputError(f"{where}: it holds fewer than two samples")
     samples: _Words = np.ndarray(
-        (blocks, per_block, words), "<i2", data, first + _BLOCK_HEADER,
+        (blocks, per_block, words),
+        "<i2",
+        data,
+        first + _BLOCK_HEADER,
         strides=(_BLOCK_HEADER + size, 2 * words, 2),
-    )  # fmt: skip
+    )
     signals = list(_signals(data[begin + _HEADER.size : first], where))
     return samples, n, float(rate), signals, remark
 
@@ -123,7 +133,8 @@ def _signals(described: bytes, where: str) -> Iterator[_Signal]:
                 )
         # Raw values between two are brought to the unit between two others.
         unit_low, unit_high, raw_low, raw_high = calibration
-        scale, offset = 1.0, 0.0
+        scale = 1.0
+        offset = 0.0
         if (unit_low, unit_high) != (raw_low, raw_high):
             apart = raw_high - raw_low
             scale = (unit_high - unit_low) / apart if apart else math.nan

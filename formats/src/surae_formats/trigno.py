@@ -48,7 +48,8 @@ def open_table(source: Source) -> Table:
     """Read the header: columns must be pairs of times and samples."""
     source.require_text()
     labels: dict[str, re.Match[str]] = {}
-    header, cells = 0, [""]
+    header = 0
+    cells = [""]
     for row, line in enumerate(source.lines(), start=1):
         if label := _LABEL.fullmatch(line.strip()):
             labels.setdefault(label["name"].strip(), label)

@@ -18,7 +18,8 @@ from surae.recording.table import Column, Table, in_row, instants
 
 _TITLES = ("Devices", "Model Outputs", "Trajectories", "Joints", "Segments")
 _FRAME = ("Frame", "Sub Frame")
-_DELIMITERS, _AROUND = ("\t", ";", ","), ', \t\r\n;"'
+_DELIMITERS = ("\t", ";", ",")
+_AROUND = ', \t\r\n;"'
 #: Samples that are looked at for how decimals begin.
 _LOOKED_AT = 100
 
@@ -101,7 +102,8 @@ def _section(source: Source, lines: Sequence[str], at: int) -> _Section:
         )
     delimiter = next(each for each in _DELIMITERS if each in lines[at + 3])
     devices, columns, units = (split(line, delimiter) for line in (*lines[at + 2 : at + 5], "")[:3])
-    device, names = "", []
+    device = ""
+    names = []
     for index, column in enumerate(columns):
         device = (devices[index] if index < len(devices) else "") or device
         full = f"{device}: {column}" if device and column else column

@@ -32,10 +32,14 @@ _MAGIC = b"XDF:"
 MOST_JITTER_S = 0.05
 #: A step of a clock's offset that stays for three measurements, and is larger than this [s] and
 #: what a clock may drift meanwhile, is no drift.
-_CLOCK_STEP, _DRIFT = 0.02, 2e-4
+_CLOCK_STEP = 0.02
+_DRIFT = 2e-4
 #: A step of the stamps is a gap where they stay away, for this long [s] before and after, by more
 #: than this [s] and than so many periods, beside three times their scatter; jitter comes back.
-_STAY, _STEP, _STEP_PERIODS, _SCATTER = 0.5, 0.005, 3.0, 3.0
+_STAY = 0.5
+_STEP = 0.005
+_STEP_PERIODS = 3.0
+_SCATTER = 3.0
 
 
 def recognises(source: Source) -> bool:
@@ -71,7 +75,8 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
 
 def xdf_end(file: BinaryIO) -> int:
     """Where the last whole chunk ends that follows others from the file's beginning."""
-    size, at = file.seek(0, os.SEEK_END), len(_MAGIC)
+    size = file.seek(0, os.SEEK_END)
+    at = len(_MAGIC)
     while at < size:
         file.seek(at)
         head = file.read(9)
@@ -85,9 +90,11 @@ def xdf_end(file: BinaryIO) -> int:
 
 def _loaded(pyxdf: Any, data: bytes, shown: str) -> list[Any]:
     """The streams as pyxdf gives them; what it would skip, logging an error, is one."""
-    log, complaints = logging.getLogger("pyxdf"), BufferingHandler(sys.maxsize)
+    log = logging.getLogger("pyxdf")
+    complaints = BufferingHandler(sys.maxsize)
     complaints.setLevel(logging.ERROR)
-    before, log.propagate = log.propagate, False
+    before = log.propagate
+    log.propagate = False
     log.addHandler(complaints)
     try:
         streams, _ = pyxdf.load_xdf(
@@ -105,7 +112,9 @@ def _columns(
     stream: Mapping[str, Any], values: np.ndarray[Any, Any], time: FloatArray
 ) -> Iterator[Parsed]:
     """The channels of a stream."""
-    info, refused, remark = stream["info"], "", ""
+    info = stream["info"]
+    refused = ""
+    remark = ""
     if float(info["nominal_srate"][0]) > 0:
         time, jitter_ms, gaps = _axis(time)
         remark = f"time stamps jittered by up to {jitter_ms:.2g} ms, replaced by a line"
@@ -133,9 +142,11 @@ def _clock_step(stream: Mapping[str, Any]) -> float:
     """A lasting step of a stream's clock [s] that pyxdf has drawn one line through, or 0."""
     if len(stream["info"]["clock_segments"]) > 1:  # it has seen it, and drawn a line for each part
         return 0.0
-    times, offsets = np.asarray(stream["clock_times"]), np.asarray(stream["clock_values"])
+    times = np.asarray(stream["clock_times"])
+    offsets = np.asarray(stream["clock_values"])
     for at in range(2, len(offsets) - 1):
-        before, after = slice(max(at - 3, 0), at), slice(at, at + 3)
+        before = slice(max(at - 3, 0), at)
+        after = slice(at, at + 3)
         step = abs(float(np.median(offsets[after]) - np.median(offsets[before])))
         apart = abs(float(np.median(times[after]) - np.median(times[before])))
         if step > _CLOCK_STEP + _DRIFT * apart:
@@ -161,12 +172,15 @@ def _pieces(time: FloatArray) -> list[slice]:
     least = max(_STEP, _STEP_PERIODS * period)
     candidates = np.flatnonzero(np.abs(steps - period) > least) + 1
     window = max(int(_STAY / period), 3) if period > 0 else 3
-    open_, pieces = [(0, len(time))], []
+    open_ = [(0, len(time))]
+    pieces = []
     while open_:
         first, last = open_.pop()
-        best, at = 0.0, 0
+        best = 0.0
+        at = 0
         for here in candidates[(candidates > first) & (candidates < last)]:
-            before, after = away[max(here - window, first) : here], away[here:][:window]
+            before = away[max(here - window, first) : here]
+            after = away[here:][:window]
             after = after[: last - here]
             ends = float(np.median(before)), float(np.median(after))
             scatter = max(
@@ -174,7 +188,8 @@ def _pieces(time: FloatArray) -> list[slice]:
                 for part, end in zip((before, after), ends, strict=True)
             )
             if abs(ends[1] - ends[0]) - least - _SCATTER * scatter > best:
-                best, at = abs(ends[1] - ends[0]) - least - _SCATTER * scatter, int(here)
+                best = abs(ends[1] - ends[0]) - least - _SCATTER * scatter
+                at = int(here)
         if at:
             open_ += [(first, at), (at, last)]
         else:

@@ -65,9 +65,15 @@ class Reflex:
 
 @njit(cache=True)
 def _move(
-    h: float, command: Array, load: Array, level: Array, habit: Array,
-    servo: Array, own: Array, reflexes: Array,
-) -> tuple[Array, Array, Array, Array, Array]:  # fmt: skip
+    h: float,
+    command: Array,
+    load: Array,
+    level: Array,
+    habit: Array,
+    servo: Array,
+    own: Array,
+    reflexes: Array,
+) -> tuple[Array, Array, Array, Array, Array]:
     n = command.size
     x, speed = np.zeros(n + 1), np.zeros(n)
     torque, elastic, neural = np.zeros(n), np.zeros(n), np.zeros((reflexes.shape[0], n))

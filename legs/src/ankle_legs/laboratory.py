@@ -36,9 +36,13 @@ WRONG = {
 }
 #: Kinds of a trial in session.toml.
 KINDS = {
-    "alone": "one muscle at a time", "maximal": "maximal", "slow": "passive", "fast": "passive",
-    "active": "active", "isometric": "isometric",
-}  # fmt: skip
+    "alone": "one muscle at a time",
+    "maximal": "maximal",
+    "slow": "passive",
+    "fast": "passive",
+    "active": "active",
+    "isometric": "isometric",
+}
 HELD = ("alone", "maximal", "isometric")
 SECONDS = {"alone": 48.0, "maximal": 30.0, "slow": 45.0, "fast": 30.0, "isometric": 64.0}
 ACTIVE = 35.0
@@ -174,9 +178,13 @@ def measure(
     files: dict[str, dict[str, Array]] = {}
     kinds, moves = [], []
     if "tare" in steps:
-        empty = device if wrong != "tare" else replace(
-            _device(one.rng(26)), inertia=device.inertia + 0.03, weight=device.weight + 4
-        )  # fmt: skip
+        empty = (
+            device
+            if wrong != "tare"
+            else replace(
+                _device(one.rng(26)), inertia=device.inertia + 0.03, weight=device.weight + 4
+            )
+        )
         files["empty"] = _tare(one.rng(27), one, empty)
     trials = [s for s in ("alone", "maximal", "slow", "fast", "isometric") if s in steps]
     trials += ["active"] * (active if "active" in steps else 0)

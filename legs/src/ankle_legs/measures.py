@@ -83,9 +83,11 @@ def measures(
         "dissipated_energy": _energy(subject, resist),
         "bandwidth": _bandwidth(values["f0"], values["beta"]),
         "activation_half_time": _half_time(values["f0"], values["beta"]),
-        "relaxed_share@10s": 100 * values["k_rel"] / (1 + values["k_rel"])
+        "relaxed_share@10s": 100
+        * values["k_rel"]
+        / (1 + values["k_rel"])
         * -math.expm1(-(1 + values["k_rel"]) * 10 / values["tau_rel"]),
-    }  # fmt: skip
+    }
     for at in MEASURED_AT:
         found |= {f"passive_torque@{at}deg": joint(at), f"passive_stiffness@{at}deg": slope(at)}
         found[f"quick_stiffness@{at}deg"] = _quick(subject, at, rest)

@@ -325,9 +325,14 @@ def _columns(
 
 
 def _truth(
-    a: Ankle, reflexes: tuple[Reflex, ...], angle: Array, torque: Array, elastic: Array,
-    neural: Array, level: Array,
-) -> dict[str, Any]:  # fmt: skip
+    a: Ankle,
+    reflexes: tuple[Reflex, ...],
+    angle: Array,
+    torque: Array,
+    elastic: Array,
+    neural: Array,
+    level: Array,
+) -> dict[str, Any]:
     moved = angle - angle.mean()
     share = 100 * variance(neural.sum(axis=0)) / variance(torque) if reflexes else 0.0
     measures: dict[str, float | None] = {

@@ -313,9 +313,13 @@ def _gain(s: Stretches) -> float:
 
 
 def _one(
-    s: Stretches, rng: np.random.Generator, name: str, speeds: tuple[float, ...],
-    offsets: Array, part: int,
-) -> tuple[Recording, list[dict[str, Any]]]:  # fmt: skip
+    s: Stretches,
+    rng: np.random.Generator,
+    name: str,
+    speeds: tuple[float, ...],
+    offsets: Array,
+    part: int,
+) -> tuple[Recording, list[dict[str, Any]]]:
     t, a = s.tissue, s.answer
     command, plan = _plan(rng, s, speeds)
     angle = _second_order(command, 2 * np.pi * s.servo, 0.85)

@@ -131,8 +131,11 @@ def draw(rng: np.random.Generator, population: str, *, tendons: bool = True) -> 
             "dlt_tib": float(rng.uniform(0.005, 0.012)) if tendons else 0.0,
         }
         low, high = near(-0.75, 0.07, -0.9, -0.55), near(0.5, 0.06, 0.35, 0.6)
-        reach = (rng.uniform(25, 60), rng.uniform(10, 25)) if patient else (
-            rng.uniform(50, 95), rng.uniform(15, 35))  # fmt: skip
+        reach = (
+            (rng.uniform(25, 60), rng.uniform(10, 25))
+            if patient
+            else (rng.uniform(50, 95), rng.uniform(15, 35))
+        )
         subject = Subject(values, population, (low, high), (float(reach[0]), float(reach[1])))
         at_10 = float(subject.passive_torque(np.radians([10.0]))[0])
         if (2.0 if patient else 1.5) < at_10 < (19.0 if patient else 13.4):

@@ -32,7 +32,8 @@ class Impedance(Tabular, Saved):
         TextTable
             A row for each measure of each recording, the verdict on the reflex above them.
         """
-        rows, several = [], len(self.recordings) > 1
+        rows = []
+        several = len(self.recordings) > 1
         for recording in self.recordings:
             name = recording.path.replace("\\", "/").rsplit("/", 1)[-1]
             rows += [
@@ -55,9 +56,12 @@ class Impedance(Tabular, Saved):
             below += [f"{name}{note}" for note in r.notes]
         heads = ("measure", "value", "95 % interval", "unit", "verdict", "note")
         return TextTable(
-            (*(("recording",) if several else ()), *heads), tuple(rows), tuple(above), tuple(below),
+            (*(("recording",) if several else ()), *heads),
+            tuple(rows),
+            tuple(above),
+            tuple(below),
             ("value", "95 % interval"),
-        )  # fmt: skip
+        )
 
 
 def joined(recordings: Sequence[Perturbed]) -> Impedance:
@@ -74,13 +78,12 @@ def measure_rows(measures: FrozenDict[str, NerveMeasure]) -> list[tuple[str, ...
     """Cells of a table: name, value, interval, unit, verdict, note."""
     rows: list[tuple[str, ...]] = []
     for name, m in measures.items():
-        value, interval = (
-            NO_NUMBER,
-            f"{m.ci95[0]:.3g} to {m.ci95[1]:.3g}" if m.ci95[1] < inf else NO_NUMBER,
-        )
+        value = NO_NUMBER
+        interval = f"{m.ci95[0]:.3g} to {m.ci95[1]:.3g}" if m.ci95[1] < inf else NO_NUMBER
         if m.value is not None:
             text = of_interval(m.value, m.ci95)
-            value, interval = text.value, text.interval
+            value = text.value
+            interval = text.interval
         rows.append((name, value, interval, m.unit, m.verdict, m.note))
     return rows
 

@@ -32,7 +32,9 @@ class _Fast:
 
 def nerve_card(nerve: Nerve, _: Words) -> tuple[tuple[block.Block, ...], dict[str, Figure]]:
     """The answer, and its figures by name."""
-    said, blocks, figures = list[tuple[str, str]](), list[block.Block](), dict[str, Figure]()
+    said = list[tuple[str, str]]()
+    blocks = list[block.Block]()
+    figures = dict[str, Figure]()
     fast = _fastest(nerve.stretches)
     if fast is not None:
         said.append(_of_stretches(fast, _))
@@ -42,21 +44,32 @@ def nerve_card(nerve: Nerve, _: Words) -> tuple[tuple[block.Block, ...], dict[st
         blocks.append(block.Picture("nerve-stretches", alt, parts, "here", 100))
     if nerve.threshold is not None and nerve.threshold.value is not None:
         low, high = (f"{end:.0f}°" for end in nerve.threshold.ci95)
-        at, span = _.angle(round(nerve.threshold.value)), _.span(low, high).replace("-", "−")
-        blocks.append(block.Text(_(
-            "The calf would answer a very slow stretch from {at} on (95 %: {span}).",
-            at=at, span=span,
-        )))  # fmt: skip
+        at = _.angle(round(nerve.threshold.value))
+        span = _.span(low, high).replace("-", "−")
+        blocks.append(
+            block.Text(
+                _(
+                    "The calf would answer a very slow stretch from {at} on (95 %: {span}).",
+                    at=at,
+                    span=span,
+                )
+            )
+        )
     if nerve.reflex is not None:
         said.append(_of_perturbations(nerve, _))
         stiff = nerve.stiffness
         if stiff is not None and stiff.value is not None:
             value, *ends = (_short(float(np.deg2rad(v)), _) for v in (stiff.value, *stiff.ci95))
             span = _.span(*ends)
-            blocks.append(block.Text(_(
-                "Tissue and muscle resisted small movements by {value} Nm/° ({span}).",
-                value=value, span=span,
-            )))  # fmt: skip
+            blocks.append(
+                block.Text(
+                    _(
+                        "Tissue and muscle resisted small movements by {value} Nm/° ({span}).",
+                        value=value,
+                        span=span,
+                    )
+                )
+            )
     if not said:
         said.append((_("Cannot tell"), _("these recordings do not separate tissue and reflex")))
     first, *others = said
@@ -100,16 +113,22 @@ def _of_stretches(fast: _Fast, _: Words) -> tuple[str, str]:
         )
     span = _.span(_short(max(fast.low, 0.0), _), _short(fast.high, _))
     if fast.neural == 0.0:  # no muscle was heard to answer
-        return _("No reflex seen"), _("at most {most} of {peak} Nm in stretches at {speed} °/s",
-                                      most=_short(fast.high, _), peak=_short(fast.peak, _),
-                                      speed=speed)  # fmt: skip
+        return _("No reflex seen"), _(
+            "at most {most} of {peak} Nm in stretches at {speed} °/s",
+            most=_short(fast.high, _),
+            peak=_short(fast.peak, _),
+            speed=speed,
+        )
     if fast.neural is None or fast.low <= 0.0:
-        return _("Cannot tell"), _("{span} Nm of reflex in stretches at {speed} °/s", span=span,
-                                   speed=speed)  # fmt: skip
+        return _("Cannot tell"), _(
+            "{span} Nm of reflex in stretches at {speed} °/s", span=span, speed=speed
+        )
     about = _(
         "of reflex in stretches at {speed} °/s, of {peak} Nm at their peak · 95 %: {span}",
-        speed=speed, peak=_short(fast.peak, _), span=span,
-    )  # fmt: skip
+        speed=speed,
+        peak=_short(fast.peak, _),
+        span=span,
+    )
     if not fast.heard:
         about += " · " + _("probably: no EMG was recorded")
     return f"{_short(fast.neural, _)} Nm", about
@@ -122,8 +141,12 @@ def _of_perturbations(nerve: Nerve, _: Words) -> tuple[str, str]:
     if nerve.reflex == "present" and share is not None and share.value is not None:
         value, *ends = (_short(v, _) for v in (share.value, *share.ci95))
         way = _("dorsiflexion") if nerve.direction == "dorsiflexion" else _("plantarflexion")
-        return f"{value} %", _("of the torque’s changes in small random movements are a reflex to "
-                               "{way} · 95 %: {span}", way=way, span=_.span(*ends))  # fmt: skip
+        return f"{value} %", _(
+            "of the torque’s changes in small random movements are a reflex to "
+            "{way} · 95 %: {span}",
+            way=way,
+            span=_.span(*ends),
+        )
     if nerve.reflex == "none seen" and most:
         return _("No reflex seen"), _(
             "in small random movements: at most {most} % of the torque’s changes", most=most
@@ -156,6 +179,12 @@ def stretches_figure(stretches: Sequence[StretchTorque], _: Words) -> Figure:
     axes.set_ylim(bottom=min(axes.get_ylim()[0], 0.0))
     axes.set_xlim(0.0, 1.08 * max(s.speed for s in stretches))
     tick(axes, _)
-    axes.legend(frameon=False, fontsize=8, labelcolor=INK, loc="lower left", ncols=3,
-                bbox_to_anchor=(0.0, 1.0))  # fmt: skip
+    axes.legend(
+        frameon=False,
+        fontsize=8,
+        labelcolor=INK,
+        loc="lower left",
+        ncols=3,
+        bbox_to_anchor=(0.0, 1.0),
+    )
     return figure

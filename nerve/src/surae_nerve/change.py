@@ -90,10 +90,14 @@ def nerve_change(before: Mapping[str, Any], after: Mapping[str, Any]) -> NerveCh
     if kinds[0] != kinds[1]:
         raise InputError("one file is of surae impedance, the other of surae stretches")
     try:
-        sides = [_of_stretches(e) if kinds[0] == "stretches" else _of_measures(e)
-                 for e in (before, after)]  # fmt: skip
-        efforts = [np.mean([r["mean_torque"] for r in e.get("recordings", ())] or [0.0])
-                   for e in (before, after)]  # fmt: skip
+        sides = [
+            _of_stretches(e) if kinds[0] == "stretches" else _of_measures(e)
+            for e in (before, after)
+        ]
+        efforts = [
+            np.mean([r["mean_torque"] for r in e.get("recordings", ())] or [0.0])
+            for e in (before, after)
+        ]
     except (KeyError, TypeError, ValueError, AttributeError):
         raise InputError("a file is none that surae impedance or surae stretches saved") from None
     notes = [
@@ -120,10 +124,17 @@ def _differences(before: _Side, after: _Side) -> tuple[NerveDifference, ...]:
             found.append(NerveDifference(name, a, b, None, None, None, "not comparable"))
             continue
         d = b - a
-        found.append(NerveDifference(
-            name, a, b, d, (d - half, d + half), half,
-            "changed" if abs(d) > half else "no change shown",
-        ))  # fmt: skip
+        found.append(
+            NerveDifference(
+                name,
+                a,
+                b,
+                d,
+                (d - half, d + half),
+                half,
+                "changed" if abs(d) > half else "no change shown",
+            )
+        )
     return tuple(found)
 
 
@@ -134,8 +145,10 @@ def _of_measures(saved: Mapping[str, Any]) -> _Side:
 
 def _of_stretches(saved: Mapping[str, Any]) -> _Side:
     """Thresholds, and means over repeats of one speed with what repeats differ by."""
-    found = {f"threshold {m} [deg]": _one(t["angle_deg"], t["ci95"])
-             for m, t in saved["threshold"].items()}  # fmt: skip
+    found = {
+        f"threshold {m} [deg]": _one(t["angle_deg"], t["ci95"])
+        for m, t in saved["threshold"].items()
+    }
     groups: dict[str, list[Mapping[str, Any]]] = {}
     for s in sorted(saved["stretches"], key=lambda s: s["speed_deg_s"]):
         speed = ALIKE * round(np.log(s["speed_deg_s"]) / ALIKE)

@@ -21,7 +21,11 @@ DEPENDENT = 20.0
 #: Most columns of tissue beside those always there; laws that are tried with each of them; best of
 #: each trial that are kept; difference of BIC beyond which a description has no say (Raftery 1995:
 #: 10 is very strong), and how many have.
-MOST, TRIED, KEPT, BEYOND, SAY = 3, 25, 6, 18.0, 40
+MOST = 3
+TRIED = 25
+KEPT = 6
+BEYOND = 18.0
+SAY = 40
 #: Most of what drives muscles, beside tissue, that is held to be noise.
 NOISIEST = 0.5
 #: Part of the largest torque that EMG drives from which an answer is strong.
@@ -46,20 +50,24 @@ class Competition:
     """Normal equations of all descriptions at once, each muscle's drive made once a law."""
 
     def __init__(
-        self, tissue: Tissue, envelopes: Envelopes, torques: Sequence[FloatArray],
+        self,
+        tissue: Tissue,
+        envelopes: Envelopes,
+        torques: Sequence[FloatArray],
         use: Sequence[np.ndarray],
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Of the torque of each recording, the samples `use`."""
-        self.tissue, self.envelopes, self.use = tissue, envelopes, use
+        self.tissue = tissue
+        self.envelopes = envelopes
+        self.use = use
         self.x = np.concatenate([r[u] for r, u in zip(tissue.rows, use, strict=True)])
         self.y = np.concatenate([t[u] for t, u in zip(torques, use, strict=True)])
         self.size = np.sqrt(np.mean(self.x**2, axis=0)) + 1e-12
-        scaled, n = self.x / self.size, len(self.y)
-        self.xx, self.xy, self.yy = (
-            scaled.T @ scaled / n,
-            scaled.T @ self.y / n,
-            self.y @ self.y / n,
-        )
+        scaled = self.x / self.size
+        n = len(self.y)
+        self.xx = scaled.T @ scaled / n
+        self.xy = scaled.T @ self.y / n
+        self.yy = self.y @ self.y / n
         self.laws = list(envelopes.laws())
         self.calf = np.array([m != "ta" for m in envelopes.muscles], bool)
         self.parts = []
@@ -78,15 +86,17 @@ class Competition:
         """Descriptions that have a say, the best first."""
         found: list[tuple[float, int, tuple[int, ...]]] = []
         laws = range(len(self.laws))
-        now, more = self._tried((), laws), tuple[int, ...]()
+        now = self._tried((), laws)
+        more = tuple[int, ...]()
         found += now[:KEPT]
         total = self.x.shape[1] if self.envelopes.muscles else self.tissue.always
         for _ in range(MOST):
             some = [law for _, law, _ in now[:TRIED]]
             trials = [
                 self._tried((*more, k), some)
-                for k in range(self.tissue.always, total) if k not in more
-            ]  # fmt: skip
+                for k in range(self.tissue.always, total)
+                if k not in more
+            ]
             best = min(trials, key=lambda t: t[0], default=None)
             if best is None or best[0][0] >= now[0][0]:
                 break
@@ -126,7 +136,8 @@ class Competition:
         """
         used = np.array([*range(self.tissue.always), *more])
         _, dd, xd, dy = self.parts[law]
-        k, pull = len(used), np.arange(len(dy))
+        k = len(used)
+        pull = np.arange(len(dy))
         while True:
             a = np.empty((k + len(pull), k + len(pull)))
             a[:k, :k], a[:k, k:] = self.xx[np.ix_(used, used)], xd[np.ix_(used, pull)]
@@ -143,7 +154,8 @@ class Competition:
     def _described(self, law: int, more: tuple[int, ...], weight: float) -> Description:
         used = np.array([*range(self.tissue.always), *more])
         mean, first, a, b, pull = self._solved(more, law)
-        k, own = len(used), self.laws[law]
+        k = len(used)
+        own = self.laws[law]
         size = np.concatenate([self.size[used], self.parts[law][0][pull]])
         # noise of the EMG draws what it drives to 0, and tissue takes it (Fuller 1987)
         less = a.copy()
@@ -153,8 +165,10 @@ class Competition:
             most = float(np.max(np.linalg.eigvals(alone @ noise).real))
             less[k:, k:] -= noise * min(1.0, NOISIEST / max(most, 1e-12))
         c = np.linalg.solve(less, b)
-        whole, diluted = np.zeros(self.x.shape[1]), np.zeros(self.x.shape[1])
-        whole[used], diluted[used] = (c / size)[:k], ((c - first) / size)[:k]
+        whole = np.zeros(self.x.shape[1])
+        diluted = np.zeros(self.x.shape[1])
+        whole[used] = (c / size)[:k]
+        diluted[used] = ((c - first) / size)[:k]
         gains = np.zeros(len(self.calf))
         gains[pull] = (first / size)[k:]
         covariance = np.linalg.inv(a) / np.outer(size, size) * mean * DEPENDENT / len(self.y)
@@ -171,15 +185,19 @@ class Competition:
         """
         d = np.concatenate([d[u] for d, u in zip(self.drives(of.law), self.use, strict=True)])
         pull = of.gains != 0.0
-        x, k = np.hstack([self.x[:, of.used], d[:, pull]]), len(of.used)
+        x = np.hstack([self.x[:, of.used], d[:, pull]])
+        k = len(of.used)
         c = np.concatenate([(of.c - of.diluted)[of.used], of.gains[pull]])
         size = np.sqrt(np.mean(x**2, axis=0)) + 1e-12
-        scaled, groups, moved = x / size, np.unique(label), []
+        scaled = x / size
+        groups = np.unique(label)
+        moved = []
         torque = d[:, pull] @ of.gains[pull]
         weak = np.abs(torque) <= STRONG * float(np.max(np.abs(torque), initial=0.0))
         ridge = RIDGE * len(self.y) * np.eye(x.shape[1])
         for stays in (*(label != group for group in groups), weak):
-            keep, y = scaled[stays], self.y[stays]
+            keep = scaled[stays]
+            y = self.y[stays]
             # towards the coefficients of all: of what only this group tells nothing is known
             step = np.linalg.solve(keep.T @ keep + ridge, keep.T @ (y - keep @ (c * size)))
             moved.append((step / size)[:k])

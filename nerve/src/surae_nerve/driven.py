@@ -19,9 +19,12 @@ BENDS = (-6.0, -3.0, -1.5, 0.0, 2.0)
 LAGS = (0, 1, 3, 6)
 #: Band in which an envelope's noise is seen [Hz]: faster than a muscle is called up, slower than
 #: what smooths an envelope; and time over which its size is taken [s].
-NOISY, AVERAGED = (9.0, 15.0), 0.25
+NOISY = (9.0, 15.0)
+AVERAGED = 0.25
 #: Quantiles of an envelope that are its rest and its largest; |u| beyond which no law bends more.
-REST, LARGEST, TOP = 0.3, 0.9995, 1.5
+REST = 0.3
+LARGEST = 0.9995
+TOP = 1.5
 
 
 class Law(NamedTuple):
@@ -70,23 +73,36 @@ class Envelopes:
 
         That of a critically damped muscle passes ω/8 Hz of it.
         """
-        return np.array([
-            n / (np.mean(h**2) + 1e-100) * np.mean((_slope((h - r) / s, law.bend) * h / s) ** 2)
-            for n, h, r, s in zip(self.noise, self.joined, self.rest, self.span, strict=True)
-        ]) * law.omega / 8.0  # fmt: skip
+        return (
+            np.array(
+                [
+                    n
+                    / (np.mean(h**2) + 1e-100)
+                    * np.mean((_slope((h - r) / s, law.bend) * h / s) ** 2)
+                    for n, h, r, s in zip(
+                        self.noise, self.joined, self.rest, self.span, strict=True
+                    )
+                ]
+            )
+            * law.omega
+            / 8.0
+        )
 
     def unseen(self, law: Law) -> FloatArray:
         """What activity as small as the EMG's scatter at rest would call up, by muscle."""
-        return np.array([
-            float(_bent(np.std(h[h <= np.median(h)]) / s, law.bend))
-            for h, s in zip(self.joined, self.span, strict=True)
-        ])  # fmt: skip
+        return np.array(
+            [
+                float(_bent(np.std(h[h <= np.median(h)]) / s, law.bend))
+                for h, s in zip(self.joined, self.span, strict=True)
+            ]
+        )
 
 
 def driven(called: Sequence[FloatArray], law: Law, n: int) -> FloatArray:
     """Torque of muscles that are called up so, per unit, (n, muscles)."""
     keep = math.exp(-law.omega / RATE)
-    b, a = [1.0 - keep], [1.0, -keep]
+    b = [1.0 - keep]
+    a = [1.0, -keep]
     out = np.zeros((n, len(called)))
     for j, each in enumerate(called):
         out[law.lag :, j] = lfilter(b, a, lfilter(b, a, each))[: n - law.lag]
@@ -100,7 +116,8 @@ def noise_power(every: Sequence[Stretched], muscle: str) -> float:
     of one power at all frequencies below the smoother's. Where activity begins or ends something
     else is in the band: the median is taken, which of a narrow band's power is ln 2 of the mean.
     """
-    ratios, squares = list[FloatArray](), list[FloatArray]()
+    ratios = list[FloatArray]()
+    squares = list[FloatArray]()
     for of in every:
         sections = butter(2, NOISY, "bandpass", fs=of.rate, output="sos")
         f, gain = sosfreqz(sections, 4096, fs=of.rate)

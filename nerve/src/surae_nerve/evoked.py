@@ -17,9 +17,11 @@ from surae.signals import ModelInputs
 _LOOKED = (-0.2, 0.4)
 #: A muscle rests while its median over so long [s], which no answer lifts, is below this part of
 #: its 99th percentile.
-_REST, _SLOW = 0.15, 1.5
+_REST = 0.15
+_SLOW = 1.5
 #: Time at rest, and in fast stretches at rest, without which nothing is told [s].
-_QUIET, _STRETCHED = 3.0, 0.15
+_QUIET = 3.0
+_STRETCHED = 0.15
 
 
 def evoked_share(leg: Leg, _: float) -> float:
@@ -31,13 +33,15 @@ def evoked_share(leg: Leg, _: float) -> float:
     if not leg.inputs:
         raise NotDefinedError("no recording says what EMG answers")
     vector = np.array([leg.values[name] for name in leg.spec.names])
-    answered, whole = 0.0, 0.0
+    answered = 0.0
+    whole = 0.0
     for inputs, (parts, _force, states) in zip(leg.inputs, leg.split, strict=True):
         whole += float(np.abs(parts.neural).sum()) / inputs.rate_hz
         evoked = evoked_emg(inputs)
         if not evoked.any():
             continue
-        without, own = replace(inputs, emg=read_only(inputs.emg - evoked)), states[0]
+        without = replace(inputs, emg=read_only(inputs.emg - evoked))
+        own = states[0]
         other = leg.spec.simulator(without, leg.options).activity(vector)[0]
         share = np.divide(own - other, own, out=np.zeros(inputs.n), where=own > 0.0)
         answered += float(np.abs(share * parts.neural_tri).sum()) / inputs.rate_hz
@@ -51,7 +55,8 @@ def evoked_emg(inputs: ModelInputs) -> FloatArray:
     It is in proportion to the rectified velocity, later by one delay; both from samples at which
     the calf rests but for such answers.
     """
-    emg, rate = inputs.emg, inputs.rate_hz
+    emg = inputs.emg
+    rate = inputs.rate_hz
     heads = [k for k in (1, 2, 3) if emg[:, k].any()]
     stretch = np.maximum(inputs.velocity, 0.0)
     if not heads:
@@ -84,6 +89,9 @@ def _late(x: FloatArray, lag: int) -> FloatArray:
 
 
 EVOKED_SHARE = Definition(
-    "evoked_share", "%", evoked_share, of_recordings=True,
+    "evoked_share",
+    "%",
+    evoked_share,
+    of_recordings=True,
     alone="it goes with the movement and effort of each session",
-)  # fmt: skip
+)

@@ -22,7 +22,9 @@ from surae_nerve.stretches import ALIKE, StretchAnswer, answers
 
 #: Shares of reflexes that are looked for: of the torque's variance in perturbations, of the peak
 #: of torque in the fastest stretches [%]; and how many recordings of each are made.
-SHARES, OF_PEAK, DRAWS = (2.0, 5.0, 10.0), (5.0, 10.0, 20.0), 2
+SHARES = (2.0, 5.0, 10.0)
+OF_PEAK = (5.0, 10.0, 20.0)
+DRAWS = 2
 #: Stretches of one speed, and of another, that make a series.
 REPEATED = 2
 #: A sensor's noise [Nm] where none is given.
@@ -82,15 +84,19 @@ class NerveExpectation(Tabular, Saved):
         noise = f"noise {self.noise:.2g} Nm"
         return TextTable(
             ("measure", "if it is", "95 % interval to expect", "unit", "verdict", "note"),
-            tuple(rows), (f"{self.protocol}: {self.seconds:.0f} s, {self.leg}, {noise}",),
-            (*below, *self.notes), ("if it is", "95 % interval to expect"),
-        )  # fmt: skip
+            tuple(rows),
+            (f"{self.protocol}: {self.seconds:.0f} s, {self.leg}, {noise}",),
+            (*below, *self.notes),
+            ("if it is", "95 % interval to expect"),
+        )
 
 
 def expects(
-    trajectory: Trajectory, fit: PathLike | None = None, noise: float | None = None,
+    trajectory: Trajectory,
+    fit: PathLike | None = None,
+    noise: float | None = None,
     progress: Progress | None = None,
-) -> NerveExpectation:  # fmt: skip
+) -> NerveExpectation:
     """What a perturbation or a series of stretches will tell.
 
     Recordings of made legs are estimated as measured ones are; every interval is that of their
@@ -113,14 +119,17 @@ def expects(
         The file is none of `surae impedance`; or one is given for stretches.
     """
     level = SENSOR if noise is None else noise
-    name, seconds = trajectory.settings.profile, float(trajectory.time[-1])
+    name = trajectory.settings.profile
+    seconds = float(trajectory.time[-1])
     of_stretches = series(trajectory)
     if fit is None:
-        leg, who = USUAL, "a usual ankle"
+        leg = USUAL
+        who = "a usual ankle"
     elif of_stretches:
         raise InputError(f"{shown(fit)}: what stretches will tell is of a usual leg; leave it out")
     else:
-        leg, who = _saved(fit), f"the ankle of {shown(fit)}"
+        leg = _saved(fit)
+        who = f"the ankle of {shown(fit)}"
     if not of_stretches:
         measures, reflexes = _of_perturbation(trajectory, leg, level, progress)
         notes = (
@@ -142,8 +151,9 @@ def series(trajectory: Trajectory) -> bool:
     """Whether a movement is one of slow and fast stretches at rest, each of them repeated."""
     if trajectory.effort.any():
         return False
-    moved = [run for run in runs(trajectory.velocity > MOVING)
-             if np.ptp(trajectory.angle[run]) > RANGE]  # fmt: skip
+    moved = [
+        run for run in runs(trajectory.velocity > MOVING) if np.ptp(trajectory.angle[run]) > RANGE
+    ]
     speeds = np.sort([float(np.median(trajectory.velocity[run])) for run in moved])
     groups = np.split(speeds, np.flatnonzero(speeds[1:] > (1.0 + ALIKE) * speeds[:-1]) + 1)
     repeated = [group for group in groups if len(group) >= REPEATED]
@@ -156,10 +166,11 @@ def _of_perturbation(
     """Measures and reflexes seen, over `DRAWS` recordings of each share."""
     sides: dict[str, list[tuple[float, float]]] = {n: [] for n in (*_INTRINSIC, *_REFLEX)}
     true: dict[str, float] = {
-        "intrinsic_stiffness": leg["stiffness"], "inertia": leg["inertia"],
+        "intrinsic_stiffness": leg["stiffness"],
+        "inertia": leg["inertia"],
         "intrinsic_viscosity": leg["viscosity"] + leg["branch_1"] * leg["time_1"],
         "reflex_delay": 1e3 * leg["delay"],
-    }  # fmt: skip
+    }
     seen = list[ExpectedReflex]()
     for share in SHARES:
         found = 0
@@ -237,13 +248,17 @@ def _saved(path: PathLike) -> dict[str, float]:
         measures = read_json(path)["measures"]
         tissue = {
             own: float(measures[name]["value"])
-            for own, name in (("stiffness", "intrinsic_stiffness"),
-                              ("viscosity", "intrinsic_viscosity"), ("inertia", "inertia"))
-        }  # fmt: skip
+            for own, name in (
+                ("stiffness", "intrinsic_stiffness"),
+                ("viscosity", "intrinsic_viscosity"),
+                ("inertia", "inertia"),
+            )
+        }
         found = (
-            ("delay", "reflex_delay", 1e-3), ("omega", "reflex_frequency", 2.0 * np.pi),
+            ("delay", "reflex_delay", 1e-3),
+            ("omega", "reflex_frequency", 2.0 * np.pi),
             ("zeta", "reflex_damping", 1.0),
-        )  # fmt: skip
+        )
         reflex = {
             own: factor * value
             for own, name, factor in found

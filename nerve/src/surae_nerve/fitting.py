@@ -48,8 +48,11 @@ def noise_of(
     f = np.concatenate([piece.f for piece in pieces])
     power = np.concatenate([np.abs(each) ** 2 for each in residuals])
     order = np.argsort(f, kind="stable")
-    f, power = f[order], power[order]
-    total, i, n = np.concatenate([[0.0], np.cumsum(power)]), np.arange(len(f)), len(f)
+    f = f[order]
+    power = power[order]
+    total = np.concatenate([[0.0], np.cumsum(power)])
+    i = np.arange(len(f))
+    n = len(f)
     low = np.minimum(np.searchsorted(f, f / 2 ** (1 / 6)), np.maximum(i - 8, 0))
     high = np.maximum(np.searchsorted(f, f * 2 ** (1 / 6)), np.minimum(i + 8, n))
     smooth = (total[high] - total[low]) / (high - low) / share + 1e-300
@@ -65,7 +68,8 @@ def stacked(bins: Sequence[ComplexArray]) -> FloatArray:
 
 def regressors(piece: Piece, structure: Structure, q: Mapping[str, float]) -> ComplexArray:
     """Spectra of the torque per unit of each linear parameter, (k, half)."""
-    s, late = piece.s, _channel(piece.s, structure, q)
+    s = piece.s
+    late = _channel(piece.s, structure, q)
     angle = piece.angle * late
     rows = [angle, s * angle, s**2 * angle]
     rows += [relaxing(s, q[f"time_{i + 1}"]) * angle for i in range(structure.branches)]
@@ -95,7 +99,8 @@ def slopes(
     piece: Piece, structure: Structure, q: Mapping[str, float], x: ComplexArray
 ) -> ComplexArray:
     """Spectra of the torque's derivatives by the nonlinear parameters; `x` of `regressors`."""
-    s, rows = piece.s, []
+    s = piece.s
+    rows = []
     whole = np.asarray([q[name] for name in structure.linear]) @ x
     for name in structure.nonlinear:
         if name == "late":
@@ -117,10 +122,8 @@ def slopes(
             filtered = filtered * _channel(s, structure, q)
             rows.append(q["gain"] * slope * filtered)
         else:
-            h, (by_omega, by_zeta) = (
-                muscle(s, q["omega"], q["zeta"]),
-                muscle_slopes(s, q["omega"], q["zeta"]),
-            )
+            h = muscle(s, q["omega"], q["zeta"])
+            (by_omega, by_zeta) = muscle_slopes(s, q["omega"], q["zeta"])
             rows.append(q["gain"] * x[-1] * (by_omega if name == "omega" else by_zeta) / h)
     return np.stack(rows) if rows else np.empty((0, len(s)), complex)
 
@@ -160,7 +163,8 @@ class Problem:
     """Pieces of one recording and the noise that weighs their bins."""
 
     def __init__(self, pieces: Sequence[Piece], noise: Noise) -> None:
-        self.pieces, self.noise = tuple(pieces), noise
+        self.pieces = tuple(pieces)
+        self.noise = noise
         self.weights = [noise.at(piece.f) ** -0.5 for piece in pieces]
         self.y = self.whitened([piece.torque for piece in pieces])
 
@@ -179,7 +183,8 @@ class Problem:
         self, structure: Structure, q: Mapping[str, float]
     ) -> tuple[FloatArray, FloatArray]:
         """Whitened residual and its derivatives by all parameters (n, k), sign turned."""
-        rows, vector = [], np.asarray([q[name] for name in structure.linear])
+        rows = []
+        vector = np.asarray([q[name] for name in structure.linear])
         for piece in self.pieces:
             x = regressors(piece, structure, q)
             rows.append(np.concatenate([slopes(piece, structure, q, x), x]))
@@ -213,14 +218,22 @@ class Problem:
             return state[key]
 
         found = least_squares(
-            lambda x: at(x)[0], x0, jac=lambda x: -at(x)[1], bounds=(low, high), x_scale="jac",
-            ftol=3e-6, xtol=1e-6, gtol=1e-9, max_nfev=40,
-        )  # fmt: skip
+            lambda x: at(x)[0],
+            x0,
+            jac=lambda x: -at(x)[1],
+            bounds=(low, high),
+            x_scale="jac",
+            ftol=3e-6,
+            xtol=1e-6,
+            gtol=1e-9,
+            max_nfev=40,
+        )
         values = dict(zip(names, map(float, found.x), strict=True))
         ends = tuple(
-            n for n in structure.nonlinear
+            n
+            for n in structure.nonlinear
             if min(values[n] - BOUNDS[n][0], BOUNDS[n][1] - values[n]) < margin[n]
-        )  # fmt: skip
+        )
         return Fitted(structure, values, 2.0 * float(found.cost), ends)
 
     def covariance(self, fitted: Fitted) -> tuple[FloatArray, int, list[FloatArray]]:
@@ -231,12 +244,14 @@ class Problem:
         pull is by how much each block moves the parameters, (blocks, k) for each of `JOINED`.
         """
         e, j = self.jacobian(fitted.structure, fitted.values)
-        (n, k), size = j.shape, np.sqrt(np.sum(j**2, axis=0)) + 1e-100
+        (n, k) = j.shape
+        size = np.sqrt(np.sum(j**2, axis=0)) + 1e-100
         inverse = np.linalg.pinv((j / size).T @ (j / size), rcond=1e-12) / np.outer(size, size)
         model = inverse * float(e @ e) / (n - k)
         of_pieces = self.blocks(e, j)
         scores = np.concatenate(of_pieces)
-        m, pulls = len(scores), []
+        m = len(scores)
+        pulls = []
         for n in JOINED:
             sums = [s[: len(s) // n * n].reshape(-1, n, k).sum(axis=1) for s in of_pieces]
             pulls.append(np.concatenate(sums) @ inverse)
@@ -246,7 +261,9 @@ class Problem:
 
     def blocks(self, e: FloatArray, j: FloatArray) -> list[FloatArray]:
         """Scores Jᵀe of each block of time, (blocks, k) of each piece."""
-        half, first, found = len(e) // 2, 0, []
+        half = len(e) // 2
+        first = 0
+        found = []
         for piece in self.pieces:
             own = slice(first, first + len(piece.f))
             first = own.stop
@@ -254,7 +271,8 @@ class Problem:
                 piece.in_time(v[..., :half][..., own] + 1j * v[..., half:][..., own])
                 for v in (e, j.T)
             ]
-            scores, length = series[0] * series[1], round(BLOCK * piece.rate)
+            scores = series[0] * series[1]
+            length = round(BLOCK * piece.rate)
             count = max(scores.shape[1] // length, 1)
             cut = scores[:, : count * length].reshape(len(scores), count, -1)
             found.append(cut.sum(axis=2).T)
@@ -262,8 +280,17 @@ class Problem:
 
 
 #: Where the search of the nonlinear parameters begins, where nothing better is known.
-START = {"late": 0.0, "cutoff": 60.0, "time_1": 0.03, "time_2": 0.3, "delay": 0.045,
-         "omega": 20.0, "zeta": 0.8, "pole": 60.0, "threshold": 0.03}  # fmt: skip
+START = {
+    "late": 0.0,
+    "cutoff": 60.0,
+    "time_1": 0.03,
+    "time_2": 0.3,
+    "delay": 0.045,
+    "omega": 20.0,
+    "zeta": 0.8,
+    "pole": 60.0,
+    "threshold": 0.03,
+}
 
 
 def solved(x: FloatArray, y: FloatArray, ridge: float = 1e-10) -> FloatArray:

@@ -17,7 +17,8 @@ from surae_nerve.response import faster, free_noise, lagged
 
 #: Sums of whitened squares by which a structure must be better to be taken in (z of 4 or 3), and
 #: by which one that is worse is still possible (z of 2).
-BETTER, POSSIBLE = 8.0, 4.5
+BETTER = 8.0
+POSSIBLE = 4.5
 #: The same, of a structure with more in it: what chance gains by two parameters.
 CHANCE = 2.0
 #: z of the gain of responses without equations, from which the equations miss something.
@@ -29,9 +30,12 @@ CHANGING = 3.0
 #: gain and share by 1 to 2 % with intervals that were narrower (qb, qf; seeds 1201 to 1205, whose
 #: ql legs had been looked at by then as well).
 CHANNELS = {
-    "intrinsic_stiffness": 0.01, "intrinsic_viscosity": 0.02, "inertia": 0.02,
-    "reflex_gain": 0.02, "reflex_share": 0.02,
-}  # fmt: skip
+    "intrinsic_stiffness": 0.01,
+    "intrinsic_viscosity": 0.02,
+    "inertia": 0.02,
+    "reflex_gain": 0.02,
+    "reflex_share": 0.02,
+}
 #: Blocks from which their scatter is told.
 LEAST_BLOCKS = 5
 #: Length of the parts whose stiffness is compared [s].
@@ -58,8 +62,8 @@ class Number:
 
     def allowing(self, part: float) -> "Number":
         """The same, with an error of so great a part of it in its interval."""
-        low, high = (np.hypot(self.value - self.low, part * self.value),
-                     np.hypot(self.high - self.value, part * self.value))  # fmt: skip
+        low = np.hypot(self.value - self.low, part * self.value)
+        high = np.hypot(self.high - self.value, part * self.value)
         return replace(self, low=float(self.value - low), high=float(self.value + high))
 
     def with_(self, low: float, high: float) -> "Number":
@@ -75,7 +79,9 @@ Of = Callable[[Fitted], tuple[float, Mapping[str, float]]]
 
 def _viscosity(fitted: Fitted) -> tuple[float, Mapping[str, float]]:
     """Slope of the torque over the velocity when slow [Nm·s/rad]: B + Σ Kᵢτᵢ."""
-    v, value, by = fitted.values, fitted.values["viscosity"], {"viscosity": 1.0}
+    v = fitted.values
+    value = fitted.values["viscosity"]
+    by = {"viscosity": 1.0}
     for i in range(1, fitted.structure.branches + 1):
         value += v[f"branch_{i}"] * v[f"time_{i}"]
         by |= {f"branch_{i}": v[f"time_{i}"], f"time_{i}": v[f"branch_{i}"]}
@@ -104,9 +110,12 @@ _RATIOS = ("reflex_gain", "reflex_frequency", "reflex_damping", "reflex_share")
 
 def share(pieces: Sequence[Piece], fitted: Fitted) -> tuple[float, Mapping[str, float]]:
     """Variance of the reflex's torque in that of the torque [%], and its derivatives."""
-    structure, v = fitted.structure, fitted.values
+    structure = fitted.structure
+    v = fitted.values
     reflex = {"delay", "omega", "zeta", "threshold"} & set(structure.nonlinear)
-    total, squares, by = 0.0, 0.0, dict.fromkeys(reflex, 0.0)
+    total = 0.0
+    squares = 0.0
+    by = dict.fromkeys(reflex, 0.0)
     for piece in pieces:
         x = regressors(piece, structure, v)
         own = faster(piece, v["gain"] * x[-1])
@@ -153,7 +162,8 @@ def _biases(problem: Problem, fitted: Fitted, floor: float) -> FloatArray:
     late, or early: movement and sampling often have one clock.
     """
     _, j = problem.jacobian(fitted.structure, fitted.values)
-    names, pull = fitted.structure.names, np.zeros((2, j.shape[1]))
+    names = fitted.structure.names
+    pull = np.zeros((2, j.shape[1]))
     v = fitted.values
     for piece, w in zip(problem.pieces, problem.weights, strict=True):
         s = 2j * np.pi * np.asarray(piece.f, np.complex128)
@@ -192,9 +202,11 @@ class Cascade:
 
 
 def identify(
-    pieces: Sequence[Piece], halves: Sequence[Sequence[Piece]], floor: float,
+    pieces: Sequence[Piece],
+    halves: Sequence[Sequence[Piece]],
+    floor: float,
     judge: Callable[[int, Weighed, Number, Fitted, tuple[float, float]], bool],
-) -> Cascade:  # fmt: skip
+) -> Cascade:
     """Estimate everything; `judge` says whether a reflex is present."""
     free = Problem(pieces, free_noise(pieces))
     fits: dict[tuple[Structure, int], Fitted] = {}
@@ -268,9 +280,20 @@ def identify(
         again = mine.fit(replace(chosen.structure, threshold=False), {**fold[direction].values})
         in_halves.append(Judged(mine, again).number("", INTRINSIC["intrinsic_stiffness"]))
     return Cascade(
-        chosen, noise, numbers, structures, weighed, direction, its_share, unseen,
-        (in_halves[0], in_halves[1]), parts, float(z), bool(scattered), float(misfit),
-    )  # fmt: skip
+        chosen,
+        noise,
+        numbers,
+        structures,
+        weighed,
+        direction,
+        its_share,
+        unseen,
+        (in_halves[0], in_halves[1]),
+        parts,
+        float(z),
+        bool(scattered),
+        float(misfit),
+    )
 
 
 def _spread(
@@ -286,8 +309,10 @@ def _spread(
     True equations give the same numbers however frequencies are weighed: by what they differ from
     those of equal weights, beyond chance, every number may be wrong to both sides (Hausman 1978).
     """
-    widened, said = dict(numbers), {chosen.structure.name: numbers["intrinsic_stiffness"]}
-    branches, own = chosen.structure.branches, chosen.structure
+    widened = dict(numbers)
+    said = {chosen.structure.name: numbers["intrinsic_stiffness"]}
+    branches = chosen.structure.branches
+    own = chosen.structure
     both = INTRINSIC | REFLEX | {"reflex_share": lambda f: share(problem.pieces, f)}
 
     def admit(fitted: Fitted, by: Problem, label: str, counts: Counts) -> None:
@@ -302,7 +327,8 @@ def _spread(
         if fitted.structure.branches > 1 and chosen.loss - fitted.loss < BETTER:
             tables = {"intrinsic_stiffness": INTRINSIC["intrinsic_stiffness"]}
         for name, of in tables.items():
-            other, half = judged.number(name, of), numbers[name].high - numbers[name].value
+            other = judged.number(name, of)
+            half = numbers[name].high - numbers[name].value
             low, high = {
                 "whole": (other.low, other.high),
                 "shifted": (other.value - half, other.value + half),
@@ -333,7 +359,8 @@ def _spread(
         others.append((replace(own, third=True), N_("a reflex of third order")))
     for structure, label in others:
         fitted = problem.fit(structure, chosen.values)
-        gain, more = chosen.loss - fitted.loss, len(structure.names) - len(own.names)
+        gain = chosen.loss - fitted.loss
+        more = len(structure.names) - len(own.names)
         if more <= 0 and gain > -POSSIBLE:
             admit(fitted, problem, label, "whole")
         elif more > 0 and gain > CHANCE * more / 2:
@@ -383,7 +410,8 @@ def _filtered(problem: Problem, plain: Fitted) -> Fitted:
 
 def _other_laws(problem: Problem, chosen: Fitted) -> list[tuple[Fitted, str]]:
     """The same with a reflex to velocity and length, and with one to force."""
-    own, v = chosen.structure, chosen.values
+    own = chosen.structure
+    v = chosen.values
     lengths = [problem.fit(replace(own, length=each), v) for each in LENGTHS]
     lead = v["viscosity"] / max(v["stiffness"], 1e-9)
     return [
@@ -394,10 +422,13 @@ def _other_laws(problem: Problem, chosen: Fitted) -> list[tuple[Fitted, str]]:
 
 def _parts(problem: Problem, judged: Judged) -> FloatArray:
     """Stiffness of every ten seconds, everything but stiffness and viscosity held: one step."""
-    fitted, names, found = judged.fitted, judged.fitted.structure.names, []
+    fitted = judged.fitted
+    names = judged.fitted.structure.names
+    found = []
     e, j = problem.jacobian(fitted.structure, fitted.values)
     kept = [names.index(name) for name in ("stiffness", "viscosity")]
-    half, first = len(e) // 2, 0
+    half = len(e) // 2
+    first = 0
     for piece in problem.pieces:
         own = slice(first, first + len(piece.f))
         first = own.stop
@@ -408,7 +439,8 @@ def _parts(problem: Problem, judged: Judged) -> FloatArray:
         length = round(PART * piece.rate)
         for i in range(max(len(left) // length, 1)):
             part = slice(i * length, (i + 1) * length)
-            x, y = rows[:, part], left[part]
+            x = rows[:, part]
+            y = left[part]
             inverse = np.linalg.pinv(x @ x.T)
             step = inverse @ (x @ y)
             blocks = x.shape[1] // round(piece.rate)

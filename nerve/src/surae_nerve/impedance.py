@@ -40,7 +40,8 @@ BEHIND = 0.15
 #: would else be of the other sign.
 LATER = (0.016, 0.03)
 #: Half-widths of intervals, as parts of the value, up to which it is identified and weak.
-IDENTIFIED, WEAK = 0.1, 1.0
+IDENTIFIED = 0.1
+WEAK = 1.0
 
 #: Why no number of a reflex is identified, however narrow its interval.
 ONE_LAW = Message(
@@ -149,12 +150,19 @@ def number_of(
         verdict = "identified" if half <= IDENTIFIED * size else "weak"
     if verdict == "identified" and name.startswith("reflex_"):
         # On legs of other kinds a gain, a share and three delays were falsely sure (counts.md).
-        verdict, note = "weak", note or ONE_LAW
+        verdict = "weak"
+        note = note or ONE_LAW
     return NerveMeasure(number.value, unit, (number.low, number.high), verdict, note)
 
 
-def judged(found: Weighed, share: Number, fitted: Fitted, direction: int, samples: Samples,
-           unseen: tuple[float, float]) -> ReflexPath:  # fmt: skip
+def judged(
+    found: Weighed,
+    share: Number,
+    fitted: Fitted,
+    direction: int,
+    samples: Samples,
+    unseen: tuple[float, float],
+) -> ReflexPath:
     """The verdict on a reflex, by what it predicts: never by its size alone."""
     word = DIRECTIONS[direction]
     if samples.one_sided:
@@ -230,16 +238,18 @@ def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Pertur
         return said[-1].verdict == "present"
 
     found = identify(pieces, halves, samples.band[1], judge)
-    reflex, notes = said[-1], list(samples.notes)
+    reflex = said[-1]
+    notes = list(samples.notes)
     if found.numbers["intrinsic_viscosity"].high < 0.0:
         raise InputError(
             f"{recording.where}: the leg drives the movement, not the device: a voluntary one, "
             "or an angle and a torque that do not belong together; perturb a leg that holds still"
         )
     hidden = {
-        "reflex_share": (0.0, found.unseen[0]), "reflex_gain": (0.0, found.unseen[1]),
+        "reflex_share": (0.0, found.unseen[0]),
+        "reflex_gain": (0.0, found.unseen[1]),
         "reflex_delay": (1e3 * BOUNDS["delay"][0], 1e3 * BOUNDS["delay"][1]),
-    }  # fmt: skip
+    }
     told = found.numbers
     behind = falls_short(pieces, [found.fitted.prediction(p) for p in pieces])
     if behind > BEHIND:
@@ -258,7 +268,8 @@ def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Pertur
         )
         if behind > BEHIND:
             doubt = N_("the torque stays behind at its largest")
-        reflex, hidden = ReflexPath("cannot tell", None, Message(doubt)), {}
+        reflex = ReflexPath("cannot tell", None, Message(doubt))
+        hidden = {}
     none = N_("no reflex is claimed ({verdict})")
     if hidden:
         none = N_("no reflex is claimed ({verdict}); the interval is what one may have unseen")
@@ -273,7 +284,9 @@ def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Pertur
                 "the fit ended at stiffness below zero, which no leg has: look at the torque’s sign"
             )
         why = Message(ended)
-        reflex, told, hidden = ReflexPath("cannot tell", None, why), {}, {}
+        reflex = ReflexPath("cannot tell", None, why)
+        told = {}
+        hidden = {}
     measures = {
         name: number_of(
             name, told.get(name), "" if name in told else why, hidden.get(name, (0.0, np.inf))
@@ -313,12 +326,17 @@ def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Pertur
         samples.seconds,
         float(np.mean([samples.torque[s].mean() for s in samples.spans])),
         float(np.rad2deg(np.mean([samples.angle[s].mean() for s in samples.spans]))),
-        predicted(pieces, pieces, path), predicted(halves[1], halves[0], path),
-        predicted(halves[1], halves[0], 0), predicted(halves[1], halves[0], -path),
-        reflex, FrozenDict(measures),
+        predicted(pieces, pieces, path),
+        predicted(halves[1], halves[0], path),
+        predicted(halves[1], halves[0], 0),
+        predicted(halves[1], halves[0], -path),
+        reflex,
+        FrozenDict(measures),
         FrozenDict({n: (k.value, k.low, k.high) for n, k in found.structures.items()}),
-        stationarity, tuple(notes), _curves(pieces, found, path),
-    )  # fmt: skip
+        stationarity,
+        tuple(notes),
+        _curves(pieces, found, path),
+    )
 
 
 def samples_of(recording: Recording) -> Samples:
@@ -367,7 +385,8 @@ def _curves(pieces: Sequence[Piece], found: Cascade, direction: int) -> Curves:
     """Frequency and impulse responses of the longest piece, with those of the equations."""
     from scipy.signal import csd, welch
 
-    piece, fitted = max(pieces, key=lambda piece: piece.kept), found.fitted
+    piece = max(pieces, key=lambda piece: piece.kept)
+    fitted = found.fitted
     intrinsic = replace(fitted.structure, direction=0, threshold=False)
     alone = Fitted(intrinsic, fitted.values, 0.0, ())
     spectra = (piece.angle, piece.torque, fitted.prediction(piece), alone.prediction(piece))
@@ -382,7 +401,8 @@ def _curves(pieces: Sequence[Piece], found: Cascade, direction: int) -> Curves:
     coherence = np.abs(ratios[0]) ** 2 * power / spread
     gain, model_gain, own_gain = (np.abs(each[used]) for each in ratios)
     phase, model_phase = (np.rad2deg(np.angle(each[used])) for each in ratios[:2])
-    lag, v = lags(piece.rate, True), fitted.values
+    lag = lags(piece.rate, True)
+    v = fitted.values
     free = responses(pieces, direction, v.get("threshold", 0.0))
     shape = np.zeros(len(lag))
     if fitted.structure.direction:
@@ -392,8 +412,20 @@ def _curves(pieces: Sequence[Piece], found: Cascade, direction: int) -> Curves:
             * piece.rate
         )
         shape = h[np.round(lag * piece.rate).astype(int)]
-    arrays = (f[used], coherence[used], gain, phase, model_gain, model_phase, own_gain, lag, shape,
-              free[1] * piece.rate, lags(piece.rate, False), free[0] * piece.rate)  # fmt: skip
+    arrays = (
+        f[used],
+        coherence[used],
+        gain,
+        phase,
+        model_gain,
+        model_phase,
+        own_gain,
+        lag,
+        shape,
+        free[1] * piece.rate,
+        lags(piece.rate, False),
+        free[0] * piece.rate,
+    )
     return Curves(*(freeze(np.ascontiguousarray(each, dtype=np.float64)) for each in arrays))
 
 
@@ -430,14 +462,16 @@ def _moved_back(samples: Samples, as_it_is: Problem) -> Samples | None:
         fits = (problem.fit(replace(PLAIN, direction=d), {}) for d in (0, 1, -1))
         return min(fits, key=lambda fitted: fitted.loss)
 
-    least, found = 0.5 * best(as_it_is).loss, None
+    least = 0.5 * best(as_it_is).loss
+    found = None
     for late in LATER:
         n = round(late * samples.rate_hz)
         torque = np.concatenate([samples.torque[n:], np.full(n, samples.torque[-1])])
         moved = replace(samples, torque=torque)
         fitted = best(Problem(moved.pieces(), as_it_is.noise))
         if fitted.loss < least and min(fitted.values[n] for n in ("stiffness", "inertia")) > 0.0:
-            least, found = fitted.loss, (late + fitted.values["late"], moved)
+            least = fitted.loss
+            found = (late + fitted.values["late"], moved)
     if found is None:
         return None
     late, moved = found

@@ -16,15 +16,21 @@ from surae.cli.screen import show_answer, show_files
 @click.argument("recordings", metavar="REC…", nargs=-1, required=True)
 @MAPPING
 @corrections
-@click.option("--empty", metavar="REC", help="The same movement without a foot: its inertia is "
-              "taken off.")  # fmt: skip
+@click.option(
+    "--empty", metavar="REC", help="The same movement without a foot: its inertia is taken off."
+)
 @click.option("--output", metavar="I.json", help="Write what was found.")
 @click.option("--report", metavar="I.html", help="Write a page with figures: HTML or PDF.")
 @LANGUAGE
 def command(
-    recordings: tuple[str, ...], mapping: str | None, empty: str | None, output: str | None,
-    report: str | None, language: str, corrections: dict[str, Any],
-) -> None:  # fmt: skip
+    recordings: tuple[str, ...],
+    mapping: str | None,
+    empty: str | None,
+    output: str | None,
+    report: str | None,
+    language: str,
+    corrections: dict[str, Any],
+) -> None:
     """Tell tissue from reflex by small random perturbations of the ankle.
 
     Each recording has angle and torque while the device moves the foot by a few degrees at random
@@ -41,9 +47,12 @@ def command(
         from surae_nerve.api import impedance as impedance_of
 
         impedance = impedance_of(
-            recordings, empty=empty, mapping=mapping,
-            progress=partial(progress.parts, "recordings"), **corrections,
-        )  # fmt: skip
+            recordings,
+            empty=empty,
+            mapping=mapping,
+            progress=partial(progress.parts, "recordings"),
+            **corrections,
+        )
     if output is not None:
         impedance.save(output)
     show_answer(impedance.as_table())

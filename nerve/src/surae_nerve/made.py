@@ -17,11 +17,19 @@ from surae_nerve.ramps import low
 #: A relaxed to moderately tense ankle whose tissue relaxes (Kearney 1997, Mirbagheri 2000; the
 #: branch as of a measured one), and its reflex, torque per Nm·s/rad.
 USUAL = {
-    "stiffness": 60.0, "viscosity": 0.6, "inertia": 0.018, "branch_1": 40.0, "time_1": 0.01,
-    "delay": 0.04, "omega": 20.0, "zeta": 0.8,
-}  # fmt: skip
+    "stiffness": 60.0,
+    "viscosity": 0.6,
+    "inertia": 0.018,
+    "branch_1": 40.0,
+    "time_1": 0.01,
+    "delay": 0.04,
+    "omega": 20.0,
+    "zeta": 0.8,
+}
 #: Torque that a person makes beside, below this frequency [Nm, Hz]; noise of the position [rad].
-UNSTEADY, BELOW, POSITION = 0.15, 3.0, 2e-5
+UNSTEADY = 0.15
+BELOW = 3.0
+POSITION = 2e-5
 #: Rate at which perturbations are recorded [Hz].
 RECORDED = 1000.0
 #: Time in which a made movement returns to where it began, for filters that run around [s].
@@ -30,16 +38,21 @@ _RETURN = 1.0
 _STRETCHED = {"elastic": 15.0, "viscous": 0.3, "inertia": 0.02, "relaxing": 10.0, "time": 0.8}
 #: Where in the movement's range the reflex's threshold lies at rest, what velocity takes off it
 #: [s], how late EMG is [s], by how much answers differ [part].
-_THRESHOLD, _SOONER, _LATE, _DIFFER = 0.5, 0.03, 0.03, 0.15
+_THRESHOLD = 0.5
+_SOONER = 0.03
+_LATE = 0.03
+_DIFFER = 0.15
 #: Frequency below which an envelope keeps noise [Hz], and its size at rest beside a burst.
-_SMOOTHED, _QUIET = 30.0, 0.005
+_SMOOTHED = 30.0
+_QUIET = 0.005
 
 
 def perturbed_leg(
     trajectory: Trajectory, leg: Mapping[str, float], share: float, noise: float, seed: int
 ) -> tuple[Recording, float]:
     """A perturbed leg with a reflex that makes `share` % of its torque's variance, and its gain."""
-    draw, rate = np.random.default_rng([seed, 7]), RECORDED
+    draw = np.random.default_rng([seed, 7])
+    rate = RECORDED
     time = np.arange(int(trajectory.time[-1] * rate) + 1) / rate
     x = own_angle = CubicSpline(trajectory.time, trajectory.angle)(time)
     back = x[-1] + (x[0] - x[-1]) * smooth_step(np.arange(round(_RETURN * rate)) / _RETURN / rate)
@@ -67,13 +80,17 @@ def stretched_leg(
 
     With EMG and without; and the reflex's largest torque [Nm] and its threshold at rest [deg].
     """
-    time, x, rate = trajectory.time, trajectory.angle, _rate(trajectory)
-    draw, of = np.random.default_rng([seed, 9]), _STRETCHED
+    time = trajectory.time
+    x = trajectory.angle
+    rate = _rate(trajectory)
+    draw = np.random.default_rng([seed, 9])
+    of = _STRETCHED
     torque = of["elastic"] * x + of["viscous"] * trajectory.velocity
     torque = torque + of["inertia"] * trajectory.acceleration
     keep = np.exp(-1.0 / (rate * of["time"]))
     torque = torque + of["relaxing"] * lfilter([keep, -keep], [1.0, -keep], x - x[0])
-    low_end, high_end = float(x.min()), float(x.max())
+    low_end = float(x.min())
+    high_end = float(x.max())
     threshold = low_end + _THRESHOLD * (high_end - low_end)
     stretch = np.maximum(trajectory.velocity, 0.0)
     called = np.where(x > threshold - _SOONER * stretch, stretch, 0.0)

@@ -18,21 +18,28 @@ from surae.protocol.profiles import smooth_step
 from surae.protocol.protocol import Given, Trajectory
 
 #: Length of a perturbation [s], and its size from end to end [rad].
-SECONDS, SIZE = 60.0, 0.03
+SECONDS = 60.0
+SIZE = 0.03
 #: Time between changes of a binary sequence [s], and of random steps (Mirbagheri and others 2000).
-SWITCH, WAITS = 0.15, (0.2, 0.4)
+SWITCH = 0.15
+WAITS = (0.2, 0.4)
 #: Period [s] of the sines, their frequencies [Hz], and that from which they grow smaller [Hz].
-PERIOD, TONES, KNEE = 20.0, (0.25, 20.0), 2.0
+PERIOD = 20.0
+TONES = (0.25, 20.0)
+KNEE = 2.0
 #: Time in which a step, or the speed of a stretch, is reached [s]: torque must not jump.
 RISE = 0.04
 #: Speeds of stretches [rad/s] (10 to 200 °/s; slower where the device is), and repeats of each.
-SPEEDS, REPEATS = tuple(np.deg2rad((10.0, 60.0, 100.0, 150.0, 200.0))), 4
+SPEEDS = tuple(np.deg2rad((10.0, 60.0, 100.0, 150.0, 200.0)))
+REPEATS = 4
 #: Part of the device's highest speed that a stretch has at most.
 OF_FASTEST = 0.9
 #: Ends of stretches as parts of the range: at its dorsiflexed end a stiff leg overloads the device.
 ENDS = (0.1, 0.8)
 #: Hold after a stretch, wait before the next [s], and speed of the way back [rad/s].
-HOLDS, RESTS, BACK = (2.0, 3.5), (2.5, 6.0), 0.3
+HOLDS = (2.0, 3.5)
+RESTS = (2.5, 6.0)
+BACK = 0.3
 #: Rate at which a movement is shaped [Hz].
 _FINE = 2000.0
 
@@ -58,9 +65,7 @@ def _multisine(draw: np.random.Generator) -> FloatArray:
     f = np.fft.rfftfreq(round(PERIOD * _FINE), 1.0 / _FINE)
     used = (f >= TONES[0]) & (f <= TONES[1])
     size = np.where(used, 1.0 / (1.0 + f / KNEE), 0.0)
-    drawn = (
-        np.fft.irfft(size * np.exp(2j * np.pi * draw.random(len(f)))) for _ in range(50)
-    )  # fmt: skip
+    drawn = (np.fft.irfft(size * np.exp(2j * np.pi * draw.random(len(f)))) for _ in range(50))
     best = min(drawn, key=lambda x: np.abs(x).max() / x.std())
     return np.resize(best / np.ptp(best), round(SECONDS * _FINE))
 
@@ -78,12 +83,15 @@ def _stretches(draw: np.random.Generator, width: float, fastest: float) -> Float
     if len(speeds) < 2:
         raise InputError("stretches: the device is too slow for two speeds")
     order = [*speeds[:1].repeat(REPEATS), *draw.permutation(speeds[1:].repeat(REPEATS))]
-    times, places = [0.0], [0.0]
+    times = [0.0]
+    places = [0.0]
     for speed in order:
         for seconds, place in (
-            (draw.uniform(*RESTS), 0.0), (width / speed, width),
-            (draw.uniform(*HOLDS), width), (width / BACK, 0.0),
-        ):  # fmt: skip
+            (draw.uniform(*RESTS), 0.0),
+            (width / speed, width),
+            (draw.uniform(*HOLDS), width),
+            (width / BACK, 0.0),
+        ):
             times.append(times[-1] + seconds)
             places.append(place)
     grid = np.arange(round((times[-1] + 1.0) * _FINE)) / _FINE
@@ -91,9 +99,12 @@ def _stretches(draw: np.random.Generator, width: float, fastest: float) -> Float
 
 
 def telling(
-    name: str, device: Device | None, angle_range: tuple[float, float], rate_hz: float,
+    name: str,
+    device: Device | None,
+    angle_range: tuple[float, float],
+    rate_hz: float,
     seed: int = 1,
-) -> Trajectory:  # fmt: skip
+) -> Trajectory:
     """A perturbation or a series of stretches, within a device's limits.
 
     Parameters
@@ -128,29 +139,40 @@ def telling(
     asked = np.concatenate([np.full(len(edge), asked[0]), asked, np.full(len(edge), asked[-1])])
     angle = np.convolve(asked, np.diff(edge), "valid")
     velocity = np.gradient(angle, 1.0 / _FINE)
-    motion, adaptation = (angle, velocity, np.gradient(velocity, 1.0 / _FINE)), None
+    motion = (angle, velocity, np.gradient(velocity, 1.0 / _FINE))
+    adaptation = None
     if device is not None:
         fitted = fit_device(device, motion, rate_hz=_FINE, highest_hz=0.0, angle_range=(low, high))
-        before, after = peaks(motion), peaks(fitted.motion)
+        before = peaks(motion)
+        after = peaks(fitted.motion)
         adaptation = Adaptation(
-            device.name, (0.0, 0.0), 0.0, fitted.cutoff_hz, (before[0], after[0]),
-            (before[1], after[1]), float(np.ptp(fitted.motion[0])) / (high - low),
-        )  # fmt: skip
+            device.name,
+            (0.0, 0.0),
+            0.0,
+            fitted.cutoff_hz,
+            (before[0], after[0]),
+            (before[1], after[1]),
+            float(np.ptp(fitted.motion[0])) / (high - low),
+        )
         motion = fitted.motion
     time = np.arange(int((len(angle) - 1) / _FINE * rate_hz) + 1) / rate_hz
     at = np.arange(len(angle)) / _FINE
     angle, velocity, acceleration = (np.interp(time, at, each) for each in motion)
     given = Given(
-        profile=name, task="passive", angle_range=angle_range, rate_hz=rate_hz,
+        profile=name,
+        task="passive",
+        angle_range=angle_range,
+        rate_hz=rate_hz,
         device=device,
-    )  # fmt: skip
+    )
     effort = np.zeros((len(time), 4))
     return Trajectory(given, time, angle, velocity, acceleration, effort, adaptation)
 
 
 def words(trajectory: Trajectory) -> list[str]:
     """What a movement is for, in lines; `expects` says what it will tell."""
-    name, seconds = trajectory.settings.profile, trajectory.time[-1]
+    name = trajectory.settings.profile
+    seconds = trajectory.time[-1]
     more = "surae expect says what it will tell."
     if name not in PERTURBATIONS:
         speeds = f"up to {math.degrees(abs(trajectory.velocity).max()):.0f} °/s"

@@ -51,38 +51,60 @@ _NAMES = {
 _VERDICTS = (N_("present"), N_("none seen"), N_("cannot tell"))
 #: Heads of the table of stretches.
 _HEADS = {
-    "recording": N_("Recording"), "start [s]": N_("start [s]"), "direction": N_("Direction"),
-    "speed [°/s]": N_("speed [°/s]"), "from, to [°]": N_("from, to [°]"),
-    "peak [Nm]": N_("peak [Nm]"), "elastic": N_("elastic"), "viscous": N_("viscous"),
-    "inertial": N_("inertial"), "neural": N_("neural"), "EMG from [°]": N_("EMG from [°]"),
-    "catch [°]": N_("catch [°]"), "note": N_("Note"),
-}  # fmt: skip
+    "recording": N_("Recording"),
+    "start [s]": N_("start [s]"),
+    "direction": N_("Direction"),
+    "speed [°/s]": N_("speed [°/s]"),
+    "from, to [°]": N_("from, to [°]"),
+    "peak [Nm]": N_("peak [Nm]"),
+    "elastic": N_("elastic"),
+    "viscous": N_("viscous"),
+    "inertial": N_("inertial"),
+    "neural": N_("neural"),
+    "EMG from [°]": N_("EMG from [°]"),
+    "catch [°]": N_("catch [°]"),
+    "note": N_("Note"),
+}
 
 
-def impedance_report(
-    impedance: Impedance, *, created: datetime, language: str = "en"
-) -> Report:  # fmt: skip
+def impedance_report(impedance: Impedance, *, created: datetime, language: str = "en") -> Report:
     """The report of perturbed recordings."""
-    _, figures = words_in(language), list[tuple[str, Figure]]()
+    _ = words_in(language)
+    figures = list[tuple[str, Figure]]()
     several = len(impedance.recordings) > 1
     sections = []
     if several:
         sections.append(_section(_("All recordings, means"), impedance.measures, _))
         figures.append(("effort", effort_figure(impedance.recordings, _)))
-        sections.append(block.Section(_("Stiffness over effort and angle"), (block.Picture(
-            "effort", _("Stiffness over mean torque and over mean angle"),
-            _("Stiffness of each recording with its 95 % interval. A torque’s zero that is not "
-              "known shifts the axis."), "here",
-        ),)))  # fmt: skip
+        sections.append(
+            block.Section(
+                _("Stiffness over effort and angle"),
+                (
+                    block.Picture(
+                        "effort",
+                        _("Stiffness over mean torque and over mean angle"),
+                        _(
+                            "Stiffness of each recording with its 95 % interval. "
+                            "A torque’s zero that is not "
+                            "known shifts the axis."
+                        ),
+                        "here",
+                    ),
+                ),
+            )
+        )
     for number, recording in enumerate(impedance.recordings, 1):
         sections.append(_recording(recording, number, figures, _))
     told = {row[0]: row for row in measure_rows(impedance.measures)}
     key = tuple(
-        (_(_NAMES[name]), _.number(value) if value == NO_NUMBER else f"{_.number(value)} {unit}",
-         _(verdict))
+        (
+            _(_NAMES[name]),
+            _.number(value) if value == NO_NUMBER else f"{_.number(value)} {unit}",
+            _(verdict),
+        )
         for name in ("intrinsic_stiffness", "reflex_share")
         for _n, value, _i, unit, verdict, _t in (told[name],)
-    )  # fmt: skip
+    )
     reflex = impedance.reflex
     document = block.Document(
         kicker=_("How much is nerve?"),
@@ -110,25 +132,26 @@ def impedance_report(
     return Report(document, figures)
 
 
-def stretches_report(
-    found: Stretches, *, created: datetime, language: str = "en"
-) -> Report:  # fmt: skip
+def stretches_report(found: Stretches, *, created: datetime, language: str = "en") -> Report:
     """The report of slow and fast stretches."""
-    _, table, figures = words_in(language), found.as_table(), list[tuple[str, Figure]]()
+    _ = words_in(language)
+    table = found.as_table()
+    figures = list[tuple[str, Figure]]()
     pictures = list[block.Block]()
     for way in dict.fromkeys(s.direction for s in found.stretches):
         own = [stretch_torque(s) for s in found.stretches if s.direction == way]
         figures.append((way, stretches_figure(own, _)))
-        caption = _("Elastic and neural torque in stretches to {way}; bars are 95 % intervals.",
-                    way=_(way))  # fmt: skip
+        caption = _(
+            "Elastic and neural torque in stretches to {way}; bars are 95 % intervals.", way=_(way)
+        )
         alt = _("Torque over speed, {way}", way=_(way))
         pictures.append(block.Picture(way, alt, caption, "here", 62))
     # which recording is told where there are several
     first = 1 if len({s.recording for s in found.stretches}) == 1 else 0
-    heads, rows = table.heads[first:], [_translated(row, _)[first:] for row in table.rows]
+    heads = table.heads[first:]
+    rows = [_translated(row, _)[first:] for row in table.rows]
     numbers = tuple(k for k, head in enumerate(heads) if head in table.numbers)
-    columns = block.columns(*(_(_HEADS[h]) for h in heads), numbers=numbers,
-                            wide=(len(heads) - 1,))  # fmt: skip
+    columns = block.columns(*(_(_HEADS[h]) for h in heads), numbers=numbers, wide=(len(heads) - 1,))
     grid = block.Grid(_("Stretches"), columns, block.rows(rows), look="small")
     document = block.Document(
         kicker=_("How much is nerve?"),
@@ -159,16 +182,17 @@ def _translated(row: Sequence[str], _: Words) -> tuple[str, ...]:
     """A row of stretches: direction and note in words, numbers as they are written there."""
     recording, *cells, note = row
     written = (
-        _(cell) if cell in ("dorsiflexion", "plantarflexion")
+        _(cell)
+        if cell in ("dorsiflexion", "plantarflexion")
         else _.number(cell.replace(" to ", " … "))
         for cell in cells
-    )  # fmt: skip
+    )
     return (recording, *written, _(note))
 
 
 def _section(
     title: str, measures: FrozenDict[str, NerveMeasure], _: Words, *more: block.Block
-) -> block.Section:  # fmt: skip
+) -> block.Section:
     heads = (_("Measure"), _("Value"), _("95 % interval"), _("Unit"), _("Verdict"), _("Note"))
     cells = []
     for name, value, ci, unit, verdict, note in measure_rows(measures):
@@ -181,7 +205,7 @@ def _section(
 
 def _recording(
     r: Perturbed, number: int, figures: list[tuple[str, Figure]], _: Words
-) -> block.Section:  # fmt: skip
+) -> block.Section:
     """A recording's table, figures and what else to know."""
     name = r.path.replace("\\", "/").rsplit("/", 1)[-1]
     figures += [
@@ -196,7 +220,7 @@ def _recording(
     halves = "; ".join(
         f"{_.number(significant(value, 3))} ({_.span(significant(low, 3), significant(high, 3))})"
         for value, low, high in r.stationarity.halves
-    )  # fmt: skip
+    )
     steady = _("It is steady.")
     if r.stationarity.verdict == "changes":
         steady = _("It changes.")
@@ -205,24 +229,45 @@ def _recording(
         ends = (low, high) if low < high else (nan, nan)  # some tell a value alone
         structures.append((_(label), *(_.number(significant(x, 3)) for x in (value, *ends))))
     return _section(
-        name, r.measures, _,
+        name,
+        r.measures,
+        _,
         block.Text(_(_sentence(r.reflex.reason)), lead=_said(r.reflex.verdict, _)),
-        block.Text(_(
-            "Responses of both paths, of the first half, predict {held} % of the second half’s "
-            "torque; tissue alone {alone} %, a reflex the other way round {other} %.",
-            held=held, alone=alone, other=other,
-        )),
-        block.Text(_("Stiffness of the halves [Nm/rad]: {halves}; of every 10 s: {parts}.",
-                     halves=halves, parts=parts) + " " + steady),
+        block.Text(
+            _(
+                "Responses of both paths, of the first half, predict {held} % of the second half’s "
+                "torque; tissue alone {alone} %, a reflex the other way round {other} %.",
+                held=held,
+                alone=alone,
+                other=other,
+            )
+        ),
+        block.Text(
+            _(
+                "Stiffness of the halves [Nm/rad]: {halves}; of every 10 s: {parts}.",
+                halves=halves,
+                parts=parts,
+            )
+            + " "
+            + steady
+        ),
         *(block.Text(_(note), "note") for note in r.notes),
         block.Grid(
             _("Stiffness by structure"),
             block.columns(_("Structure"), "Nm/rad", _("from"), _("to"), numbers=(1, 2, 3)),
-            block.rows(structures), titled=True,
+            block.rows(structures),
+            titled=True,
         ),
-        block.Picture(f"frequency-{number}", _("Coherence, gain and phase of torque over angle"),
-                      _("Torque over angle: measured, and as the equations have it."), "here"),
-        block.Picture(f"impulse-{number}", _("Impulse responses of tissue and reflex"),
-                      _("Answers to an impulse: of tissue to the angle, of the reflex to "
-                        "velocity."), "here"),
-    )  # fmt: skip
+        block.Picture(
+            f"frequency-{number}",
+            _("Coherence, gain and phase of torque over angle"),
+            _("Torque over angle: measured, and as the equations have it."),
+            "here",
+        ),
+        block.Picture(
+            f"impulse-{number}",
+            _("Impulse responses of tissue and reflex"),
+            _("Answers to an impulse: of tissue to the angle, of the reflex to velocity."),
+            "here",
+        ),
+    )

@@ -15,7 +15,8 @@ LOWEST = 0.15
 #: Lowest frequency of which shares of the torque are given [Hz]: below it the effort wanders.
 SLOW = 0.5
 #: Ends that the reflex's and the tissue's memory spoil [s]: filters run around the ends.
-BEGIN, END = 0.4, 0.15
+BEGIN = 0.4
+END = 0.15
 #: Multiple of the usual change between samples from which torque jumps: 8 standard deviations.
 JUMP = 12.0
 #: Samples by which its time is unknown: half of one, and a fifth more since its slope jumps too.
@@ -39,15 +40,25 @@ class Piece:
     """
 
     def __init__(
-        self, time: FloatArray, angle: FloatArray, torque: FloatArray, rate_hz: float, band: float,
-        *, anchor: float, span: tuple[float, float],
-    ) -> None:  # fmt: skip
+        self,
+        time: FloatArray,
+        angle: FloatArray,
+        torque: FloatArray,
+        rate_hz: float,
+        band: float,
+        *,
+        anchor: float,
+        span: tuple[float, float],
+    ) -> None:
         """Angle [rad] about `anchor`; `span` are first and last time of the whole recording."""
         n = len(angle)
         while fft.next_fast_len(n, real=True) != n or n % 2:
             n -= 1
-        time, angle, torque = time[:n], angle[:n] - anchor, torque[:n]
-        f, cut = fft.rfftfreq(n, 1.0 / rate_hz), 4.0 / 3.0 * band
+        time = time[:n]
+        angle = angle[:n] - anchor
+        torque = torque[:n]
+        f = fft.rfftfreq(n, 1.0 / rate_hz)
+        cut = 4.0 / 3.0 * band
         self.n, self.full_rate, self.time0 = n, rate_hz, float(time[0])
         self.m = min(
             fft.next_fast_len(int(np.ceil(2.2 * cut * n / rate_hz)) // 2, real=True) * 2, n
@@ -62,7 +73,8 @@ class Piece:
         self.moved, self.velocity, self.acceleration = (
             np.asarray(fft.irfft(s**k * smooth * spectrum, n)) for k in range(3)
         )
-        middle, length = 0.5 * (span[0] + span[1]), max(span[1] - span[0], 1e-9)
+        middle = 0.5 * (span[0] + span[1])
+        length = max(span[1] - span[0], 1e-9)
         self.angle: ComplexArray = spectrum[:half] * self._pass
         self.squared = self.spectrum(angle**2)
         self.drifting = self.spectrum(angle * 2.0 * (time - middle) / length)
@@ -76,9 +88,11 @@ class Piece:
         kept = self.m - round(END * self.rate) - first
         while fft.next_fast_len(kept - 1, real=True) != kept - 1:
             kept -= 1
-        self.keep, self.kept = slice(first, first + kept), kept - 1
+        self.keep = slice(first, first + kept)
+        self.kept = kept - 1
         self.times: FloatArray = time[0] + (np.arange(self.m)[self.keep][:-1] + 0.5) / self.rate
-        edge, window = max(4, round(_TAPER * kept)), np.ones(self.kept)
+        edge = max(4, round(_TAPER * kept))
+        window = np.ones(self.kept)
         window[:edge] = 0.5 - 0.5 * np.cos(np.pi * np.arange(edge) / edge)
         window[-edge:] = window[:edge][::-1]
         self._window = window * self.rate / np.sqrt(self.rate * np.sum(window**2))
@@ -99,7 +113,8 @@ class Piece:
         at once and no filter stands before the sampling, is known in time to half a sample.
         """
         change = np.diff(torque, prepend=torque[0])
-        size, own = np.abs(change), np.zeros(len(change))
+        size = np.abs(change)
+        own = np.zeros(len(change))
         before = np.maximum(np.roll(size, 2), np.roll(size, 3))
         top = (size >= np.roll(size, 1)) & (size > np.roll(size, -1))
         at = top & (size > JUMP * np.median(size)) & (size > 3.0 * before)

@@ -12,15 +12,21 @@ from surae_nerve.piece import Piece
 from surae_nerve.response import faster
 
 #: Shapes of a reflex from which a search begins: delay [s], frequency [rad/s], damping.
-DELAYS, OMEGAS, ZETAS = np.arange(0.024, 0.0961, 0.008), (8.0, 14.0, 24.0, 40.0), (0.6, 1.0)
+DELAYS = np.arange(0.024, 0.0961, 0.008)
+OMEGAS = (8.0, 14.0, 24.0, 40.0)
+ZETAS = (0.6, 1.0)
 #: What a physiological one of a person looks like: its share is bounded over these.
-_LIKELY_DELAY, _LIKELY_OMEGA = (0.03, 0.07), (12.0, 32.0)
+_LIKELY_DELAY = (0.03, 0.07)
+_LIKELY_OMEGA = (12.0, 32.0)
 #: z of the gain in held-out blocks over no reflex, and over the other direction, and the gain in
 #: log likelihood [nats], from which a reflex is taken for present.
-OVER_NONE, OVER_OTHER, NATS = 2.5, 2.0, 3.0
+OVER_NONE = 2.5
+OVER_OTHER = 2.0
+NATS = 3.0
 #: Share of the torque's variance [%] below which none is claimed, and the bound below which none is
 #: seen.
-LEAST_SHARE, NONE_SEEN = 0.5, 2.0
+LEAST_SHARE = 0.5
+NONE_SEEN = 2.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +46,8 @@ def shapes(problem: Problem, intrinsic: Fitted, direction: int) -> list[Shape]:
     basis, _ = np.linalg.qr(x.T)
     left = problem.y - basis @ (basis.T @ problem.y)
     total = sum(p.variance * (p.kept + 1) for p in problem.pieces)
-    late, found = intrinsic.values.get("late", 0.0), []
+    late = intrinsic.values.get("late", 0.0)
+    found = []
     spectra = [[p.stretched(direction, 0.0)[0] * np.exp(-p.s * late), p.s] for p in problem.pieces]
     for omega in OMEGAS:
         for zeta in ZETAS:
@@ -77,11 +84,13 @@ def bound(of: Sequence[Shape]) -> tuple[float, float]:
     """Greatest share [%] and gain that a physiological reflex may have unseen (two-sided 95 %)."""
     share = gain = 0.0
     for shape in of:
-        delay, omega = shape.q["delay"], shape.q["omega"]
+        delay = shape.q["delay"]
+        omega = shape.q["omega"]
         likely = _LIKELY_DELAY[0] <= delay <= _LIKELY_DELAY[1]
         if likely and _LIKELY_OMEGA[0] <= omega <= _LIKELY_OMEGA[1]:
             most = max(shape.gain + 2.0 * shape.sd, 0.0)
-            share, gain = max(share, 100.0 * most**2 * shape.power), max(gain, most)
+            share = max(share, 100.0 * most**2 * shape.power)
+            gain = max(gain, most)
     return share, gain
 
 
@@ -95,17 +104,23 @@ class Weighed:
 
 
 def weigh(
-    halves: Sequence[Sequence[Piece]], problem: Problem, structure: Structure,
+    halves: Sequence[Sequence[Piece]],
+    problem: Problem,
+    structure: Structure,
     starts: Mapping[int, Mapping[str, float]],
-) -> tuple[dict[int, Weighed], list[dict[int, Fitted]]]:  # fmt: skip
+) -> tuple[dict[int, Weighed], list[dict[int, Fitted]]]:
     """Both directions, each half predicting the other; and the fits of the halves."""
     errors: dict[int, list[FloatArray]] = {0: [], 1: [], -1: []}
     fits: list[dict[int, Fitted]] = []
     for own, other in (halves, halves[::-1]):
-        mine, its = Problem(own, problem.noise), Problem(other, problem.noise)
-        fits.append({
-            d: mine.fit(replace(structure, direction=d, threshold=False), starts[d]) for d in errors
-        })  # fmt: skip
+        mine = Problem(own, problem.noise)
+        its = Problem(other, problem.noise)
+        fits.append(
+            {
+                d: mine.fit(replace(structure, direction=d, threshold=False), starts[d])
+                for d in errors
+            }
+        )
         for direction, fitted in fits[-1].items():
             for piece, w in zip(its.pieces, its.weights, strict=True):
                 left = piece.in_time(fitted.residual(piece) * w)

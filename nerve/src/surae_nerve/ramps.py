@@ -21,12 +21,18 @@ from surae_nerve.samples import (
 )
 
 #: A movement [rad/s], the range [rad] that makes it a stretch, and its hold afterwards [s].
-MOVING, RANGE, HOLD = np.deg2rad(2.0), np.deg2rad(5.0), 0.2
+MOVING = np.deg2rad(2.0)
+RANGE = np.deg2rad(5.0)
+HOLD = 0.2
 #: Rate at which torque is taken apart [Hz], and what is smoothed away before [Hz].
-RATE, SMOOTH = 100.0, 25.0
+RATE = 100.0
+SMOOTH = 25.0
 #: Rest before a stretch by which a burst is judged [s]; standard deviations over it, for as long as
 #: a burst lasts at least [s] (Hodges and Bui 1996), and the least part of the trial's largest.
-REST, DEVIATIONS, LASTS, LEAST = 0.3, 3.0, 0.025, 0.03
+REST = 0.3
+DEVIATIONS = 3.0
+LASTS = 0.025
+LEAST = 0.03
 #: Time after a stretch ends in which a burst still counts [s].
 AFTER = 0.1
 
@@ -85,11 +91,14 @@ def stretched(recording: Recording) -> Stretched:
     missing = ~np.isfinite(angle)
     for channel in (recording.channels[f"emg_{m}"] for m in muscles):
         missing |= in_gaps(channel.time[np.isfinite(channel.values)], time, 1.0 / rate)
-    angle, torque = filled(angle), filled(torque)
+    angle = filled(angle)
+    torque = filled(torque)
     at_end = limited(angle, torque)
-    left, hidden = missing | at_end, 0
+    left = missing | at_end
+    hidden = 0
     smooth = low(angle, rate, SMOOTH)
-    velocity, ramps = np.gradient(smooth, 1.0 / rate), []
+    velocity = np.gradient(smooth, 1.0 / rate)
+    ramps = []
     for direction in (1, -1):
         for run in runs(direction * velocity > MOVING):
             moved = direction * (smooth[run.stop - 1] - smooth[run.start])
@@ -121,15 +130,23 @@ def stretched(recording: Recording) -> Stretched:
     ramps.sort(key=lambda ramp: ramp.begin)
     name = recording.files[0].name if recording.files else recording.name
     return Stretched(
-        name, rate, time, smooth, torque, emg, tuple(ramps), left if left.any() else None,
+        name,
+        rate,
+        time,
+        smooth,
+        torque,
+        emg,
+        tuple(ramps),
+        left if left.any() else None,
         tuple(notes),
-    )  # fmt: skip
+    )
 
 
 def envelope(recording: Recording, muscle: str, time: FloatArray) -> FloatArray:
     """Envelope of a muscle's EMG at times [s], raw EMG rectified and smoothed at 30 Hz."""
     channel = recording.channels[f"emg_{muscle}"]
-    values, rate = filled(channel.values), channel.rate_hz
+    values = filled(channel.values)
+    rate = channel.rate_hz
     if recording.emg == "raw":
         high = butter(2, 20.0, "high", fs=rate, output="sos")
         values = low(np.abs(sosfiltfilt(high, values)), rate, 30.0)
@@ -138,7 +155,8 @@ def envelope(recording: Recording, muscle: str, time: FloatArray) -> FloatArray:
 
 def onset(of: Stretched, ramp: RampSpan, muscle: str, largest: float) -> int | None:
     """Sample at which a muscle's EMG begins to answer; None where it does not."""
-    envelope, rate = of.emg[muscle], of.rate
+    envelope = of.emg[muscle]
+    rate = of.rate
     rest = envelope[max(ramp.begin - round(REST * rate), 0) : ramp.begin]
     if len(rest) < 3:
         return None

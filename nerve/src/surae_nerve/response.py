@@ -13,7 +13,8 @@ WIDTH = 0.04
 #: What keeps responses from what the movement does not excite, a part of each lag's power.
 _RIDGE = 1e-5
 #: First and last lag of the reflex's response [s]: a soleus's twitch has ended by then.
-FIRST, LAST = 0.04, 0.6
+FIRST = 0.04
+LAST = 0.6
 
 
 def lags(rate: float, reflex: bool) -> FloatArray:
@@ -49,10 +50,8 @@ def free_noise(pieces: Sequence[Piece]) -> Noise:
         left = {}
         for direction, of in bins.items():
             w = [noise.at(p.f) ** -0.5 for p in pieces]
-            x, y = (
-                stacked([b * k for b, k in zip(of, w, strict=True)]),
-                stacked([b * k for b, k in zip(own, w, strict=True)]),
-            )
+            x = stacked([b * k for b, k in zip(of, w, strict=True)])
+            y = stacked([b * k for b, k in zip(own, w, strict=True)])
             c = solved(x, y)
             e = y - c @ x
             left[direction] = float(e @ e), c, 1.0 - len(c) / len(y)
@@ -86,7 +85,8 @@ def predicted(pieces: Sequence[Piece], fitted: Sequence[Piece], direction: int) 
     for p in pieces:
         y = _centred(p.signals(p.torque))
         e = y - c @ _centred(p.signals(lagged(p, direction, fitted[0].rate)))
-        left, total = left + float(np.var(e)) * len(e), total + float(np.var(y)) * len(y)
+        left = left + float(np.var(e)) * len(e)
+        total = total + float(np.var(y)) * len(y)
     return 100.0 * (1.0 - left / total)
 
 

@@ -16,17 +16,20 @@ from surae_nerve.piece import TOP, Piece
 #: Least range of a movement [rad]: sensors' noise is below a tenth of a degree.
 STILL = 0.002
 #: Shortest piece without a gap, and least time in all [s].
-SHORTEST, LEAST = 5.0, 20.0
+SHORTEST = 5.0
+LEAST = 20.0
 #: Slowest sampling that shows inertia [Hz].
 SLOWEST = 80.0
 #: Frequency [Hz] below which 95 % of the velocity's power lies in what is no perturbation, and the
 #: least ratio of that to the one below which 5 % lie: less is one frequency, a tremor or a tapping.
-TOO_SLOW, BROAD = 5.0, 2.5
+TOO_SLOW = 5.0
+BROAD = 2.5
 #: Range beyond which a slow movement is called one by will, not a perturbation.
 BY_WILL = np.deg2rad(10.0)
 #: A perturbation goes on: it is judged by its range in parts of so many seconds, without what is
 #: gone in a mean of so many.
-GOES_ON, SEEN_OVER = 5.0, 0.05
+GOES_ON = 5.0
+SEEN_OVER = 0.05
 #: What of the position's power is movement, as a multiple of that at the highest frequencies.
 MOVES = 4.0
 #: Gap that a spline bridges [s]: single samples of 100 Hz.
@@ -35,16 +38,17 @@ BRIDGED = 0.012
 EXCITED = 10.0
 #: Part of its usual change below which torque is lost while the foot moves, and for how long [s];
 #: changes are those of means over so many seconds, in which a plate's inertia no longer shows.
-LOST, LOST_FOR, LOST_OVER = 0.1, 0.5, 0.1
+LOST = 0.1
+LOST_FOR = 0.5
+LOST_OVER = 0.1
 #: Of a limited torque that is noisy: as many times more of it, while the foot moves, in the last
 #: part of its range as in the next (of 120 legs of `legs` at most 8), and how large that part is.
-PILED, LAST_PART = 12.0, (0.003, 0.01, 0.03)
+PILED = 12.0
+LAST_PART = (0.003, 0.01, 0.03)
 #: Why samples are left out, and what to do about it.
-MISSING, LIMITED, UNANSWERED = (
-    N_("without samples"),
-    N_("in which the torque’s channel is at its limit"),
-    N_("in which the torque does not answer: contact lost"),
-)
+MISSING = N_("without samples")
+LIMITED = N_("in which the torque’s channel is at its limit")
+UNANSWERED = N_("in which the torque does not answer: contact lost")
 REMEDIES = {
     LIMITED: "raise the range of the torque’s channel",
     UNANSWERED: "strap the foot to the plate",
@@ -95,7 +99,8 @@ class Samples:
         """The pieces that are fitted."""
         used = self.spans if spans is None else spans
         anchor = float(np.mean(np.concatenate([self.angle[s] for s in self.spans])))
-        whole, band = (float(self.time[0]), float(self.time[-1])), self.band[0]
+        whole = (float(self.time[0]), float(self.time[-1]))
+        band = self.band[0]
         return [
             Piece(
                 self.time[s],
@@ -138,7 +143,8 @@ def measured(recording: Recording) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Time, angle and torque of a recording at the angle's samples, NaN where there is none."""
     if "torque" not in recording.channels:
         raise InputError(f"{recording.where}: there is no torque; name its column torque_Nm")
-    angle, torque = recording.channels["angle"], recording.channels["torque"]
+    angle = recording.channels["angle"]
+    torque = recording.channels["torque"]
     values = torque.values
     if not np.array_equal(angle.time, torque.time):
         step = float(np.median(np.diff(torque.time)))
@@ -183,7 +189,8 @@ def usable(where: str, time: FloatArray, angle: FloatArray, torque: FloatArray) 
     told, one_sided = _movement(
         where, angle[max(runs(known), key=lambda r: r.stop - r.start)], rate
     )
-    left_out, left = dict[str, str](), np.zeros(len(time), bool)
+    left_out = dict[str, str]()
+    left = np.zeros(len(time), bool)
     for found, what in (
         (~known, MISSING),
         (limited(angle, torque), LIMITED),
@@ -195,9 +202,7 @@ def usable(where: str, time: FloatArray, angle: FloatArray, torque: FloatArray) 
                 N_("{seconds:.2g} s {what}"), seconds=fresh.sum() / rate, what=Message(what)
             )
             left |= found
-    spans = tuple(
-        span for span in runs(~left) if span.stop - span.start >= SHORTEST * rate
-    )  # fmt: skip
+    spans = tuple(span for span in runs(~left) if span.stop - span.start >= SHORTEST * rate)
     notes = (*(Message(N_("Left out: {what}."), what=each) for each in left_out.values()), *told)
     samples = Samples(where, time, angle, torque, rate, spans, notes, one_sided)
     if samples.seconds < LEAST:
@@ -323,13 +328,15 @@ def limited(angle: FloatArray, torque: FloatArray) -> np.ndarray:
 
 def filled(values: FloatArray) -> FloatArray:
     """Values with lines through gaps."""
-    known, at = np.isfinite(values), np.arange(len(values))
+    known = np.isfinite(values)
+    at = np.arange(len(values))
     return np.interp(at, at[known], values[known])
 
 
 def _lost(angle: FloatArray, torque: FloatArray, rate: float) -> np.ndarray:
     """Samples of windows in which the foot moves as ever and the torque hardly changes."""
-    short, window = max(round(LOST_OVER * rate), 1), max(round(LOST_FOR * rate), 2)
+    short = max(round(LOST_OVER * rate), 1)
+    window = max(round(LOST_FOR * rate), 2)
     changes = []
     for values in (angle, torque):
         mean = _mean(filled(values), short)

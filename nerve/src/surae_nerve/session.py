@@ -12,7 +12,9 @@ from surae_nerve.stretches import OPPOSED, StretchAnswer, Stretches, answers
 
 def of_session(small: Sequence[Recording], slow_and_fast: Sequence[Recording]) -> Nerve:
     """Of perturbed and of stretched recordings of one leg; what cannot be used is said."""
-    problems, told, stretches = list[str](), [], None
+    problems = list[str]()
+    told = []
+    stretches = None
     for recording in small:
         try:
             told.append(perturbed(recording))
@@ -28,15 +30,24 @@ def of_session(small: Sequence[Recording], slow_and_fast: Sequence[Recording]) -
 def stretch_torque(stretch: StretchAnswer) -> StretchTorque:
     """A stretch as the leg's page takes it."""
     s = stretch
-    return StretchTorque(s.direction, s.speed_deg_s, s.peak_torque_Nm, s.elastic_Nm, s.viscous_Nm,
-                       s.neural_Nm, s.neural_ci95, bool(s.emg_onset_deg))  # fmt: skip
+    return StretchTorque(
+        s.direction,
+        s.speed_deg_s,
+        s.peak_torque_Nm,
+        s.elastic_Nm,
+        s.viscous_Nm,
+        s.neural_Nm,
+        s.neural_ci95,
+        bool(s.emg_onset_deg),
+    )
 
 
 def nerve_of(
     impedance: Impedance | None, stretches: Stretches | None, problems: Sequence[str] = ()
 ) -> Nerve:
     """The same of answers that are there already."""
-    seen, threshold = tuple[StretchTorque, ...](), None
+    seen = tuple[StretchTorque, ...]()
+    threshold = None
     if stretches is not None:
         seen = tuple(stretch_torque(stretch) for stretch in stretches.stretches)
         sure = [

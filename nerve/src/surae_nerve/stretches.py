@@ -26,14 +26,17 @@ OPPOSED = {1: ("gl", "sol", "gm"), -1: ("ta",)}
 ALIKE = 0.15
 #: Rise of torque at rest, as a multiple of the largest at other rests and as a part of the
 #: stretch's torque, from which one without EMG is probably neural.
-RISES, LEAST_PART = 2.0, 0.05
+RISES = 2.0
+LEAST_PART = 0.05
 #: Onsets and half-width [deg] up to which a threshold is weak. None is identified: of fresh legs 76
 #: of 88 narrow ones held (counts.md), since a line over velocity is assumed.
-LEAST_ONSETS, WEAK = 4, 10.0
+LEAST_ONSETS = 4
+WEAK = 10.0
 #: Stretches with EMG that goes on for too long after the stop, from which all may have such.
 WILLING = 2
 #: Least spread of velocities at onset [rad/s], and error of one onset's angle in all of them [deg].
-SPREAD, ONSET_ERROR = 0.3, 0.5
+SPREAD = 0.3
+ONSET_ERROR = 0.5
 #: Times [s] by which a muscle is called up before its EMG is seen: none, as is published, and the
 #: latency of the calf's reflex (Sinkjaer 1996: 40 ms at most).
 LATENCIES = (0.0, 0.02, 0.04)
@@ -103,12 +106,35 @@ class Stretches(Tabular, Saved):
             cells = (each.replace("-", "−") for each in (*place, span, *texts, onset_, catch))
             rows.append((s.recording, *cells, s.neural_note))
         return TextTable(
-            ("recording", "start [s]", "direction", "speed [°/s]", "from, to [°]", "peak [Nm]",
-             "elastic", "viscous", "inertial", "neural", "EMG from [°]", "catch [°]", "note"),
-            tuple(rows), below=(*map(str, self.lines()), *self.notes),
-            numbers=("start [s]", "speed [°/s]", "peak [Nm]", "elastic", "viscous", "inertial",
-                     "neural", "EMG from [°]", "catch [°]"),
-        )  # fmt: skip
+            (
+                "recording",
+                "start [s]",
+                "direction",
+                "speed [°/s]",
+                "from, to [°]",
+                "peak [Nm]",
+                "elastic",
+                "viscous",
+                "inertial",
+                "neural",
+                "EMG from [°]",
+                "catch [°]",
+                "note",
+            ),
+            tuple(rows),
+            below=(*map(str, self.lines()), *self.notes),
+            numbers=(
+                "start [s]",
+                "speed [°/s]",
+                "peak [Nm]",
+                "elastic",
+                "viscous",
+                "inertial",
+                "neural",
+                "EMG from [°]",
+                "catch [°]",
+            ),
+        )
 
     def lines(self) -> list[str]:
         """Thresholds, smallest changes and notes, as messages without a stop.
@@ -121,19 +147,32 @@ class Stretches(Tabular, Saved):
         lines: list[str] = []
         for muscle, h in self.threshold.items():
             if h.angle_deg is None or h.ci95 is None:
-                said = Message(N_("Threshold at rest, {muscle}: none: {note}"),
-                               muscle=muscle, note=h.note)  # fmt: skip
+                said = Message(
+                    N_("Threshold at rest, {muscle}: none: {note}"), muscle=muscle, note=h.note
+                )
             else:
                 said = Message(
-                    N_("Threshold at rest, {muscle}: {angle:.1f}° ({low:.1f} to {high:.1f}), "
-                       "{verdict}: {note}"), muscle=muscle, angle=h.angle_deg, low=h.ci95[0],
-                    high=h.ci95[1], verdict=Message(h.verdict), note=h.note,
-                )  # fmt: skip
+                    N_(
+                        "Threshold at rest, {muscle}: {angle:.1f}° ({low:.1f} to {high:.1f}), "
+                        "{verdict}: {note}"
+                    ),
+                    muscle=muscle,
+                    angle=h.angle_deg,
+                    low=h.ci95[0],
+                    high=h.ci95[1],
+                    verdict=Message(h.verdict),
+                    note=h.note,
+                )
             lines.append(said)
         for n, v in self.smallest_detectable_change.items():
             if v is not None:
-                lines.append(Message(N_("Smallest detectable change, {what}: {value:.2g} Nm"),
-                                     what=Message(_COMPARED[n]), value=v))  # fmt: skip
+                lines.append(
+                    Message(
+                        N_("Smallest detectable change, {what}: {value:.2g} Nm"),
+                        what=Message(_COMPARED[n]),
+                        value=v,
+                    )
+                )
         if all(v is None for v in self.smallest_detectable_change.values()):
             lines.append(Message(N_("No stretch was repeated at one speed")))
         return lines
@@ -182,7 +221,8 @@ def answers(recordings: Sequence[Recording]) -> Stretches:
     seen = [bool(found) for found in onsets]
     slow = []
     for (i, ramp), found, speed in zip(ramps, onsets, speeds, strict=True):
-        rate, alike = every[i].rate, zip(speeds, ramps, strict=True)
+        rate = every[i].rate
+        alike = zip(speeds, ramps, strict=True)
         slowest = min(s for s, (_, r) in alike if r.direction == ramp.direction)
         slow.append(speed <= FAST * slowest)
         if not found and not slow[-1] and ramp.direction > 0:
@@ -215,11 +255,14 @@ def answers(recordings: Sequence[Recording]) -> Stretches:
 
 def _of_one_speed(directions: Sequence[Any], speeds: Sequence[float]) -> list[int]:
     """Numbers of groups of stretches that are repeats of one, by direction and speed."""
-    numbers, first, last = [0] * len(speeds), -1, -1
+    numbers = [0] * len(speeds)
+    first = -1
+    last = -1
     for k in sorted(range(len(speeds)), key=lambda k: (directions[k], speeds[k])):
         same = first >= 0 and directions[k] == directions[first]
         if not same or speeds[k] >= (1.0 + ALIKE) * speeds[first]:
-            first, last = k, last + 1
+            first = k
+            last = last + 1
         numbers[k] = last
     return numbers
 
@@ -230,8 +273,16 @@ def _speed(of: Stretched, ramp: RampSpan) -> float:
     return float(abs(np.median(of.velocity[ramp.begin + third : ramp.stop - third + 1])))
 
 
-def _stretch(of: Stretched, ramp: RampSpan, found: Mapping[str, int | None], speed: float,
-             parts: Parts, emg: bool, rises: bool, by_will: bool) -> StretchAnswer:  # fmt: skip
+def _stretch(
+    of: Stretched,
+    ramp: RampSpan,
+    found: Mapping[str, int | None],
+    speed: float,
+    parts: Parts,
+    emg: bool,
+    rises: bool,
+    by_will: bool,
+) -> StretchAnswer:
     rate = of.rate
     torque = ramp.direction * low(of.torque, rate, 40.0)
     before = float(np.mean(torque[max(ramp.begin - round(0.1 * rate), 0) : ramp.begin + 1]))
@@ -241,19 +292,24 @@ def _stretch(of: Stretched, ramp: RampSpan, found: Mapping[str, int | None], spe
     neural: float | None = max(parts.neural, 0.0)
     half = 1.96 * parts.error
     if emg and not first:
-        neural, note = 0.0, N_("no EMG answers")
+        neural = 0.0
+        note = N_("no EMG answers")
         ci: tuple[float, float] | None = (0.0, max(half, parts.neural))
     elif emg and by_will and parts.neural - parts.early > half:
-        neural, note = None, N_("late: may be by will")
+        neural = None
+        note = N_("late: may be by will")
         ci = (max(parts.early - half, 0.0), parts.neural + half)
     elif emg:
-        note, ci = N_("with EMG"), (max(parts.neural - half, 0.0), parts.neural + half)
+        note = N_("with EMG")
+        ci = (max(parts.neural - half, 0.0), parts.neural + half)
     elif rises and parts.rise > LEAST_PART * whole:
         note = N_("probably neural: torque rises when the foot has stopped, no EMG")
         neural = max(parts.neural, parts.rise)
         ci = (0.5 * parts.rise, max(whole, neural + half))
     else:
-        neural, note, ci = None, N_("cannot tell without EMG"), (0.0, whole)
+        neural = None
+        note = N_("cannot tell without EMG")
+        ci = (0.0, whole)
     degrees = np.rad2deg(of.angle)
     catch = None
     if neural and ci and ci[0] > 0.0:
@@ -262,17 +318,31 @@ def _stretch(of: Stretched, ramp: RampSpan, found: Mapping[str, int | None], spe
         drop = -np.gradient(power[peak : ramp.stop + 2])
         catch = float(degrees[peak + int(np.argmax(drop))]) if len(drop) > 2 else None
     return StretchAnswer(
-        of.name, float(of.time[ramp.begin]), DIRECTIONS[ramp.direction],  # type: ignore[arg-type]
-        float(np.rad2deg(speed)), float(degrees[ramp.begin]), float(degrees[ramp.stop]),
-        whole, parts.elastic, parts.viscous, parts.inertial, neural, ci, note,
+        of.name,
+        float(of.time[ramp.begin]),
+        DIRECTIONS[ramp.direction],  # type: ignore[arg-type]
+        float(np.rad2deg(speed)),
+        float(degrees[ramp.begin]),
+        float(degrees[ramp.stop]),
+        whole,
+        parts.elastic,
+        parts.viscous,
+        parts.inertial,
+        neural,
+        ci,
+        note,
         FrozenDict({m: None if at is None else float(degrees[at]) for m, at in found.items()}),
         catch,
-    )  # fmt: skip
+    )
 
 
-def _threshold(muscle: str, every: Sequence[Stretched], ramps: Sequence[tuple[int, RampSpan]],
-               onsets: Sequence[Mapping[str, int | None]],
-               group: Sequence[int]) -> StretchThreshold:  # fmt: skip
+def _threshold(
+    muscle: str,
+    every: Sequence[Stretched],
+    ramps: Sequence[tuple[int, RampSpan]],
+    onsets: Sequence[Mapping[str, int | None]],
+    group: Sequence[int],
+) -> StretchThreshold:
     """Angle of onset over velocity, at no velocity; without an onset it lies beyond the end.
 
     To leave stretches out that are not answered would draw the line down: slow ones are answered
@@ -282,17 +352,22 @@ def _threshold(muscle: str, every: Sequence[Stretched], ramps: Sequence[tuple[in
     one speed is left out (a jackknife over speeds): it shows where no line is true.
     """
     seen: list[tuple[Stretched, int]] = []
-    ended, of_seen, of_ended = [], [], []
+    ended = []
+    of_seen = []
+    of_ended = []
     for (i, ramp), found, own in zip(ramps, onsets, group, strict=True):
-        of, at = every[i], found.get(muscle)
+        of = every[i]
+        at = found.get(muscle)
         if at is not None:
             seen.append((of, at))
             of_seen.append(own)
         elif muscle in found:
             ended.append((ramp.direction * _speed(of, ramp), of.angle[ramp.stop]))
             of_ended.append(own)
-    ends, sign = np.array(ended).reshape(-1, 2), -1 if muscle == "ta" else 1
-    n, lines = len(seen), []
+    ends = np.array(ended).reshape(-1, 2)
+    sign = -1 if muscle == "ta" else 1
+    n = len(seen)
+    lines = []
     for late in LATENCIES:
         then = [(of, max(at - round(late * of.rate), 0)) for of, at in seen]
         points = np.array([(of.velocity[at], of.angle[at]) for of, at in then])
@@ -315,8 +390,9 @@ def _threshold(muscle: str, every: Sequence[Stretched], ramps: Sequence[tuple[in
     return StretchThreshold(angle, (low, high), verdict, note)
 
 
-def _apart(seen: FloatArray, ended: FloatArray, sign: int, of_seen: np.ndarray,
-           of_ended: np.ndarray) -> float:  # fmt: skip
+def _apart(
+    seen: FloatArray, ended: FloatArray, sign: int, of_seen: np.ndarray, of_ended: np.ndarray
+) -> float:
     """Half of an interval of the angle at no velocity [deg], by a jackknife over speeds."""
     found = []
     for own in np.unique(of_seen):
@@ -331,7 +407,9 @@ def _apart(seen: FloatArray, ended: FloatArray, sign: int, of_seen: np.ndarray,
 
 def _line(seen: FloatArray, ended: FloatArray, sign: int) -> tuple[float, float]:
     """Angle at no velocity [deg], and half of its interval, of (velocity, angle) [rad/s, rad]."""
-    (v, angle), end, n = np.rad2deg(seen).T, np.rad2deg(ended).T, len(seen)
+    (v, angle) = np.rad2deg(seen).T
+    end = np.rad2deg(ended).T
+    n = len(seen)
 
     def loss(q: FloatArray) -> float:
         sd = np.exp(q[2])
@@ -352,7 +430,8 @@ def _changes(stretches: Sequence[StretchAnswer]) -> dict[str, float | None]:
     groups = [[s for s, n in zip(stretches, number, strict=True) if n == g] for g in set(number)]
     found: dict[str, float | None] = {}
     for name in _COMPARED:
-        squares, freedom = 0.0, 0
+        squares = 0.0
+        freedom = 0
         for group in groups:
             values = np.array([v for s in group if (v := getattr(s, name)) is not None])
             if len(values) > 1:

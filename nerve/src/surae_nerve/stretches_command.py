@@ -19,9 +19,13 @@ from surae.cli.screen import show_answer, show_files
 @click.option("--report", metavar="R.html", help="Write a page with figures: HTML or PDF.")
 @LANGUAGE
 def command(
-    recordings: tuple[str, ...], mapping: str | None, output: str | None, report: str | None,
-    language: str, corrections: dict[str, Any],
-) -> None:  # fmt: skip
+    recordings: tuple[str, ...],
+    mapping: str | None,
+    output: str | None,
+    report: str | None,
+    language: str,
+    corrections: dict[str, Any],
+) -> None:
     """Take slow and fast stretches of a relaxed ankle apart: tissue, inertia and nerve.
 
     The stretches are found in the recordings, of one leg. With EMG each muscle's threshold is

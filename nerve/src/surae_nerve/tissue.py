@@ -15,12 +15,15 @@ from surae.base.units import FloatArray
 from surae_nerve.ramps import RATE
 
 #: Times in which tissue relaxes [s]; time between knots of a torque's drift [s].
-RELAXES, DRIFT = (0.05, 0.8), 15.0
+RELAXES = (0.05, 0.8)
+DRIFT = 15.0
 #: Knots of the elastic torque over the angle.
 KNOTS = 6
 #: Further times of relaxing [s]: of torque in proportion to angle, and of torque that grows with it
 #: exponentially, by so much [1/rad] (calves: 2.5 to 6, de Vlugt 2010; that of the stiffer half).
-ALSO, BENT, STEEP = (0.015, 0.15, 0.3, 2.5), (0.05, 0.3, 0.8, 2.0), 5.0
+ALSO = (0.015, 0.15, 0.3, 2.5)
+BENT = (0.05, 0.3, 0.8, 2.0)
+STEEP = 5.0
 #: Movement after which what holds has yielded [rad]: cross-bridges, and the skin in its straps.
 YIELDS = np.deg2rad((1.5, 5.0))
 
@@ -48,16 +51,21 @@ class Tissue:
         a = np.gradient(v, 1.0 / RATE)
         curve = BSpline.design_matrix(angle, self.knots, 3).toarray()[:, 1:]
         counts = [max(round(len(x) / RATE / DRIFT), 1) + 1 for x in self.angles]
-        at, where = np.linspace(0.0, 1.0, len(angle)), np.linspace(0.0, 1.0, counts[index])
+        at = np.linspace(0.0, 1.0, len(angle))
+        where = np.linspace(0.0, 1.0, counts[index])
         own = np.stack([np.interp(at, where, row) for row in np.eye(counts[index])], axis=1)
         drift = [own if i == index else np.zeros((len(angle), n)) for i, n in enumerate(counts)]
         always = [a, v, *(_relaxing(angle, t) for t in RELAXES), curve, *drift]
         steep = np.exp(STEEP * (angle - self.high))
         competing = [
-            *(_relaxing(angle, t) for t in ALSO), *(_relaxing(steep, t) for t in BENT),
-            v * (angle - self.low), np.sign(v) * np.sqrt(np.abs(v)), v * np.abs(v),
-            *(_held(angle, reach) for reach in YIELDS), np.gradient(a, 1.0 / RATE),
-        ]  # fmt: skip
+            *(_relaxing(angle, t) for t in ALSO),
+            *(_relaxing(steep, t) for t in BENT),
+            v * (angle - self.low),
+            np.sign(v) * np.sqrt(np.abs(v)),
+            v * np.abs(v),
+            *(_held(angle, reach) for reach in YIELDS),
+            np.gradient(a, 1.0 / RATE),
+        ]
         return np.column_stack(always), np.column_stack(competing)
 
 
@@ -69,7 +77,8 @@ def _relaxing(values: FloatArray, seconds: float) -> FloatArray:
 
 def _held(angle: FloatArray, reach: float) -> FloatArray:
     """Part of its torque, −1 to 1, with which something holds that yields after a reach [rad]."""
-    held, now = [0.0], 0.0
+    held = [0.0]
+    now = 0.0
     for step in (np.diff(angle) / reach).tolist():
         now = (now + step) / (1.0 + abs(step))
         held.append(now)

@@ -9,12 +9,16 @@ from surae_nerve.ramps import envelope
 from surae_nerve.samples import Samples, runs
 
 #: Speed as a part of the fastest at which a stretch begins, and what is slow before [s].
-BEGINS, SLOW_BEFORE = 0.3, 0.03
+BEGINS = 0.3
+SLOW_BEFORE = 0.03
 #: Fewest stretches of an average; time before it that is rest, and after it when a reflex of the
 #: ankle is seen [s] (short latency from 30 ms: Sinkjaer 1996).
-FEWEST, REST, SEEN = 20, 0.05, (0.02, 0.12)
+FEWEST = 20
+REST = 0.05
+SEEN = (0.02, 0.12)
 #: Standard errors above rest for at least this time [s].
-ERRORS, LASTS = 4.0, 0.008
+ERRORS = 4.0
+LASTS = 0.008
 
 
 def answering(recording: Recording, samples: Samples, direction: int) -> str:
@@ -23,8 +27,9 @@ def answering(recording: Recording, samples: Samples, direction: int) -> str:
     starts = _starts(samples, direction)
     if not muscles or len(starts) < FEWEST:
         return ""
-    found = {m: _latency(envelope(recording, m, samples.time), starts, samples.rate_hz)
-             for m in muscles}  # fmt: skip
+    found = {
+        m: _latency(envelope(recording, m, samples.time), starts, samples.rate_hz) for m in muscles
+    }
     heard = [f"{MUSCLE_NAMES[m]} {1e3 * s:.0f} ms" for m, s in found.items() if s is not None]
     way = "dorsiflexion" if direction > 0 else "plantarflexion"
     if heard:
@@ -43,13 +48,15 @@ def answering(recording: Recording, samples: Samples, direction: int) -> str:
 
 def _starts(samples: Samples, direction: int) -> list[int]:
     """Samples at which a fast stretch begins after rest."""
-    rate, found = samples.rate_hz, []
+    rate = samples.rate_hz
+    found = []
     short = max(round(0.005 * rate), 1)
     for span in samples.spans:
         angle = np.convolve(samples.angle[span], np.ones(short) / short, "same")
         speed = direction * np.gradient(angle, 1.0 / rate)
         fast = speed > BEGINS * float(np.quantile(speed, 0.995))
-        before, after = round(max(REST, SLOW_BEFORE) * rate), round(SEEN[1] * rate)
+        before = round(max(REST, SLOW_BEFORE) * rate)
+        after = round(SEEN[1] * rate)
         for run in runs(fast):
             slow = speed[max(run.start - round(SLOW_BEFORE * rate), 0) : run.start]
             inside = before < run.start < len(angle) - after
@@ -60,7 +67,8 @@ def _starts(samples: Samples, direction: int) -> list[int]:
 
 def _latency(emg: FloatArray, starts: list[int], rate: float) -> float | None:
     """Time after which the mean of stretches exceeds rest [s]; None where it does not."""
-    rest, last = round(REST * rate), round(SEEN[1] * rate)
+    rest = round(REST * rate)
+    last = round(SEEN[1] * rate)
     each = np.stack([emg[at - rest : at + last] for at in starts])
     each = each - each[:, :rest].mean(axis=1, keepdims=True)
     z = each.mean(axis=0) / (each.std(axis=0, ddof=1) / np.sqrt(len(each)) + 1e-300)

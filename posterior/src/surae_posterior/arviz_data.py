@@ -25,8 +25,12 @@ def inference_data(groups: Mapping[str, Any], made_by: str, status: str, message
     That is a DataTree, before ArviZ 1.0, which Python 3.11 has, an ``InferenceData``.
     """
     xarray = library("xarray", "InferenceData")
-    about = {"inference_library": "surae", "inference_library_version": made_by, "status": status,
-             "message": message}  # fmt: skip
+    about = {
+        "inference_library": "surae",
+        "inference_library_version": made_by,
+        "status": status,
+        "message": message,
+    }
     try:
         before_one = int(version("arviz").split(".")[0]) < 1
     except PackageNotFoundError:
@@ -65,9 +69,11 @@ def prior_draws(
 
 def of_fit(fit: AssessedFit, draws: int, seed: int, *, log_likelihood: bool) -> Any:
     """What a fit leaves possible (`Uncertainty.draw`), its priors, and what it has seen."""
-    result, assessment = fit.result, fit.assessment
+    result = fit.result
+    assessment = fit.assessment
     xarray = library("xarray", "InferenceData")
-    known, problem = assessment.uncertainty, result.problem
+    known = assessment.uncertainty
+    problem = result.problem
     every = {**assessment.parameters, **assessment.nuisances}
     free = [name for name in problem.free if every[name].ci95 is not None]
     if not free:
@@ -84,8 +90,9 @@ def of_fit(fit: AssessedFit, draws: int, seed: int, *, log_likelihood: bool) -> 
     if shown := {n: prior for n, prior in priors.items() if n in units}:
         groups["prior"] = prior_draws(shown, units, draws, seed)
     samples = np.concatenate([np.arange(own.n)[own.counts] for own in problem.inputs])
-    which = np.concatenate([np.full(int(own.counts.sum()), i) for i, own in
-                            enumerate(problem.inputs)])  # fmt: skip
+    which = np.concatenate(
+        [np.full(int(own.counts.sum()), i) for i, own in enumerate(problem.inputs)]
+    )
     time = np.concatenate([own.time[own.counts] for own in problem.inputs])
     along = {"sample": samples, "recording": ("sample", which), "time": ("sample", time)}
     torque = np.concatenate([measured(own)[own.counts] for own in problem.inputs])
@@ -105,7 +112,9 @@ def of_fit(fit: AssessedFit, draws: int, seed: int, *, log_likelihood: bool) -> 
 
 def _log_likelihood(fit: AssessedFit, leg: FloatArray) -> FloatArray:
     """Logarithm of the likelihood of every sample that counts, its noise taken for white."""
-    problem, sigma2, parts = fit.result.problem, fit.assessment.covariance.sigma2, []
+    problem = fit.result.problem
+    sigma2 = fit.assessment.covariance.sigma2
+    parts = []
     values = problem.values(leg[: len(problem.free)])
     for simulator, own in zip(simulators(problem), problem.inputs, strict=True):
         weight = np.ones(own.n) if own.weight is None else own.weight

@@ -49,7 +49,8 @@ class Conditional:
     ) -> None:
         self._problem = problem = result.problem
         self._j = problem.free.index(name)
-        self._residuals, self._stopped = Residuals(problem, noise), stopped
+        self._residuals = Residuals(problem, noise)
+        self._stopped = stopped
         self._move = curved_move(problem)
         self.limits = float(problem.lower[self._j]), float(problem.upper[self._j])
         self.evaluations = 0
@@ -59,7 +60,8 @@ class Conditional:
 
     def at(self, value: float, near: ConditionalMinimum) -> ConditionalMinimum | None:
         """The minimum with the parameter at `value`; None where there is no finite torque."""
-        lower, upper = self._problem.lower.copy(), self._problem.upper.copy()
+        lower = self._problem.lower.copy()
+        upper = self._problem.upper.copy()
         lower[self._j] = upper[self._j] = value
         plain = np.clip(near.x, lower, upper)
         if value == near.value:
@@ -74,12 +76,14 @@ class Conditional:
 
     def _answer(self, value: float, near: ConditionalMinimum) -> FloatArray:
         """The step that the linear problem takes with the held one; what is at a bound stays."""
-        problem, step = self._problem, np.zeros(len(near.x))
+        problem = self._problem
+        step = np.zeros(len(near.x))
         moving = (near.x > problem.lower) & (near.x < problem.upper)
         moving[self._j] = True
         norms = column_norms(near.local[:, moving])
         scale = np.where(norms > 0, norms, 1.0)
-        A, at = near.local[:, moving] / scale, int(moving[: self._j].sum())
+        A = near.local[:, moving] / scale
+        at = int(moving[: self._j].sum())
         ridge = _RIDGE * np.eye(len(scale))
         along = np.linalg.solve(A.T @ A + ridge, np.eye(len(scale))[at]) / scale
         step[moving] = along / along[at] * (value - near.value)
@@ -95,9 +99,14 @@ class Conditional:
         self, x: FloatArray, lower: FloatArray, upper: FloatArray
     ) -> ConditionalMinimum | None:
         found = minimise(
-            self._rows, x, lower, upper,
-            move=self._move, max_iterations=_MOST, stall=_STALL / self._problem.n,
-        )  # fmt: skip
+            self._rows,
+            x,
+            lower,
+            upper,
+            move=self._move,
+            max_iterations=_MOST,
+            stall=_STALL / self._problem.n,
+        )
         self.evaluations += found.iterations
         if found.outcome is Outcome.INTERRUPTED:
             raise KeyboardInterrupt
@@ -124,8 +133,10 @@ class ConditionalPosterior:
         name: str,
         stopped: Callable[[], bool],
     ) -> None:
-        self._posterior, self._stopped = posterior.apart(), stopped
-        self._j, self._name = posterior.names.index(name), name
+        self._posterior = posterior.apart()
+        self._stopped = stopped
+        self._j = posterior.names.index(name)
+        self._name = name
         self.evaluations = 0
         self.limits = self._value(posterior.lower), self._value(posterior.upper)
         self.fit = replace(self._minimum(mode), value=result.values[name])
@@ -169,7 +180,8 @@ def surface_of(result: FitResult) -> Surface:
     if isinstance(result.solution, PosteriorMode):
         posterior, mode = resumed(result)
         return lambda name, stopped: ConditionalPosterior(result, posterior, mode, name, stopped)
-    problem, noise = result.problem, 0.0
+    problem = result.problem
+    noise = 0.0
     if problem.priors:  # they are weighed against what a fit without them leaves
         plain = fit_problem(replace(problem, priors={}), starts=1)
         if plain.solution.is_interrupted:

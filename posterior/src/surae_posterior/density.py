@@ -32,7 +32,8 @@ def beliefs(
     wide = wide_priors(problem.options, problem.inputs[0].emg_unit)
     known = {}
     for name in problem.free:
-        p, told = table[name], "population"
+        p = table[name]
+        told = "population"
         if p.signed:  # its bounds as two standard deviations to either side
             known[name] = Prior((p.lower + p.upper) / 2, (p.upper - p.lower) / 4, told, log=False)
         elif name in wide:
@@ -60,7 +61,8 @@ Density = Callable[[FloatArray], tuple[float, FloatArray]]
 
 #: Nothing lies further than `_FAR` spreads from its prior, where the model may overflow; the mode
 #: is looked for from within `_NEAR` of them.
-_FAR, _NEAR = 12.0, 3.0
+_FAR = 12.0
+_NEAR = 3.0
 
 
 class Target:
@@ -84,7 +86,8 @@ class Target:
         self._centre = centre = np.array([prior.centre for prior in known])
         self._spread = spread = np.array([prior.spread for prior in known])
         self._samples = problem.n / variance_inflation
-        residuals, weight = Residuals(problem), np.sqrt(self._samples / result.sse)
+        residuals = Residuals(problem)
+        weight = np.sqrt(self._samples / result.sse)
 
         def rows(z: FloatArray) -> FloatArray:
             data = self._rows(residuals, z) * weight
@@ -95,7 +98,8 @@ class Target:
         with np.errstate(divide="ignore"):  # a weight may be zero
             start = np.where(log, np.log(np.where(log, x, 1.0)), x)
         start = np.clip(start, centre - _NEAR * spread, centre + _NEAR * spread)
-        lower, upper = centre - _FAR * spread, centre + _FAR * spread
+        lower = centre - _FAR * spread
+        upper = centre + _FAR * spread
         minimum = minimise(rows, start, lower, upper, stall=0.1 / self._samples)
         self._least = sum_of_squares(minimum.residual[: -len(known)]) / weight**2
         if not (np.isfinite(minimum.R).all() and 0 < self._least < np.inf):

@@ -26,12 +26,16 @@ from surae_posterior.density import Density
 
 #: Degrees of freedom of the proposals, and the part of the draws from each: heavy tails show what a
 #: proposal is too narrow for, but in many dimensions few of their draws count.
-_TAILS, _PARTS = np.array([30.0, 3.0]), np.array([0.75, 0.25])
+_TAILS = np.array([30.0, 3.0])
+_PARTS = np.array([0.75, 0.25])
 #: Effective draws for each coordinate that a proposal rests on, the part of them that the curvature
 #: at the mode counts for, and limits of the curvature in units of it.
-_TEMPERED, _BELIEVED, _CURVATURES = 3.0, 0.05, (0.2, 20.0)
+_TEMPERED = 3.0
+_BELIEVED = 0.05
+_CURVATURES = (0.2, 20.0)
 #: Shape from which weights are not believed, and effective draws below which quantiles are not.
-K_HAT, ENOUGH = 0.7, 200
+K_HAT = 0.7
+ENOUGH = 200
 #: Draws below which nothing is kept of what the user stops.
 _FEWEST = 50
 #: Draws between two looks at the progress.
@@ -63,17 +67,25 @@ class Weighted:
 
 
 def weighted_draws(
-    densities: Sequence[Density], q: int, *, rounds: int, size: int, seed: int,
+    densities: Sequence[Density],
+    q: int,
+    *,
+    rounds: int,
+    size: int,
+    seed: int,
     progress: Progress | None = None,
-) -> Weighted:  # fmt: skip
+) -> Weighted:
     """Draw in rounds of `size`, each from a proposal that those before have adapted.
 
     In its coordinates the density is about a standard Gaussian; each of `densities` is the same one
     for another thread, how many does not matter. Ctrl-C keeps the draws so far, if there are some.
     """
     rng = np.random.default_rng(seed)
-    mean, root = np.zeros(q), np.eye(q)
-    points, heights, slopes = np.zeros((0, q)), np.zeros(0), np.zeros((0, q))
+    mean = np.zeros(q)
+    root = np.eye(q)
+    points = np.zeros((0, q))
+    heights = np.zeros(0)
+    slopes = np.zeros((0, q))
     proposals: list[tuple[int, FloatArray, FloatArray]] = []
     found: Weighted | None = None
     for number in range(rounds):
@@ -100,9 +112,11 @@ def weighted_draws(
 
 
 def _evaluated(
-    densities: Sequence[Density], drawn: FloatArray, progress: Progress | None,
+    densities: Sequence[Density],
+    drawn: FloatArray,
+    progress: Progress | None,
     done: tuple[int, int],
-) -> tuple[list[tuple[float, FloatArray]], bool]:  # fmt: skip
+) -> tuple[list[tuple[float, FloatArray]], bool]:
     """The density and its gradient at draws, and whether the user let it come to its end."""
     values: list[tuple[float, FloatArray]] = []
     parts = len(densities)
@@ -125,10 +139,13 @@ def _proposed(points: FloatArray, mean: FloatArray, root: FloatArray) -> FloatAr
     q = len(root)
     squares = np.sum(solve_triangular(root, (points - mean).T, lower=True) ** 2, axis=0)
     logs = [
-        np.log(part) + gammaln((tail + q) / 2) - gammaln(tail / 2) - q / 2 * np.log(tail)
+        np.log(part)
+        + gammaln((tail + q) / 2)
+        - gammaln(tail / 2)
+        - q / 2 * np.log(tail)
         - (tail + q) / 2 * np.log1p(squares / tail)
         for tail, part in zip(_TAILS, _PARTS, strict=True)
-    ]  # fmt: skip
+    ]
     return np.asarray(logsumexp(logs, axis=0) - np.log(np.diag(root)).sum())
 
 
@@ -152,9 +169,12 @@ def _adapted(
 ) -> tuple[FloatArray, FloatArray]:
     """Mean and root of the covariance of the next proposal."""
     some = np.isfinite(logs)
-    points, slopes, logs = points[some], slopes[some], logs[some] - logs[some].max()
+    points = points[some]
+    slopes = slopes[some]
+    logs = logs[some] - logs[some].max()
     q = points.shape[1]
-    low, high = 1e-6, 1.0
+    low = 1e-6
+    high = 1.0
     for _ in range(20):
         power = 0.5 * (low + high)
         weights = np.exp(power * logs)
@@ -162,7 +182,8 @@ def _adapted(
         low, high = (power, high) if enough else (low, power)
     weights = np.exp(low * logs)
     weights /= weights.sum()
-    mean, slope = weights @ points, weights @ slopes
+    mean = weights @ points
+    slope = weights @ slopes
     away = (points - mean) * weights[:, None]
     curvature = np.linalg.solve(
         away.T @ (points - mean) + _BELIEVED * np.eye(q),

@@ -28,11 +28,14 @@ from surae_posterior.conditional import ConditionalMinimum, Surface, surface_of
 Status = Literal["closed", "open", "lower-minimum"]
 #: Points between the minimum and the threshold, in steps of equal √Δχ², and how far beyond the
 #: threshold the last one lies.
-_STEPS, _BEYOND = 4, 1.2
+_STEPS = 4
+_BEYOND = 1.2
 #: Factor by which a step may grow or shrink, and the rise, in steps, from which one is repeated.
-_GROWTH, _TOO_FAR = 3.0, 2.0
+_GROWTH = 3.0
+_TOO_FAR = 2.0
 #: Repetitions of one step, and points of one side, at most.
-_RETRIES, _MOST = 8, 40
+_RETRIES = 8
+_MOST = 40
 #: Part of the first step below which the search for the last finite torque ends.
 _LEAST = 1e-2
 #: First step as a part of the distance between the bounds where the covariance gives none.
@@ -111,7 +114,8 @@ def profile(
     problem = result.problem
     table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
     search = _Search(result, name, over or surface_of(result), stopped, variance_inflation)
-    (low, why_low), (high, why_high) = search.end(-1), search.end(+1)
+    (low, why_low) = search.end(-1)
+    (high, why_high) = search.end(+1)
     sse = np.array([point.sse for point in search.points])
     path = dict(zip(problem.free, np.stack([point.x for point in search.points], 1), strict=True))
     status: Status = "open" if low is None or high is None else "closed"
@@ -190,7 +194,8 @@ class _Search:
         self._name, self.minima = name, over(name, stopped)
         self._low, self._high = self.minima.limits
         self._width = self._high - self._low
-        free, at_bound = result.problem.free, result.at_bound
+        free = result.problem.free
+        at_bound = result.at_bound
         rest = [i for i, other in enumerate(free) if other not in (*at_bound, name)]
         dof = result.problem.n - len(rest) - (name not in at_bound)
         variance = result.sse / dof
@@ -208,7 +213,8 @@ class _Search:
         if centre is None:
             raise ComputationError("the model gives no finite torque at the fit: fit again")
         self._lowest = centre.sse
-        below, above = self._walk(centre, -1), self._walk(centre, +1)
+        below = self._walk(centre, -1)
+        above = self._walk(centre, +1)
         self._spent = {-1: len(below) == _MOST, 1: len(above) == _MOST}
         self.points = [*below[::-1], centre, *above]
         self._come_back(len(below))
@@ -244,7 +250,8 @@ class _Search:
             step = min(rise * self.sem, self._width / 8)
         least = _LEAST * step
         points: list[ConditionalMinimum] = []
-        here, retries = centre, 0
+        here = centre
+        retries = 0
         while (room := abs(bound - here.value)) > 1e-9 * self._width and len(points) < _MOST:
             step = min(step, room)
             value = bound if step > 0.999 * room else here.value + sign * step
@@ -259,7 +266,8 @@ class _Search:
             if there is None:
                 break
             points.append(there)
-            here, retries = there, 0
+            here = there
+            retries = 0
             if self._z(here) >= _BEYOND * self._aim:
                 break
             step *= float(np.clip(rise / max(risen, 1e-3 * rise), 1 / _GROWTH, _GROWTH))
@@ -292,7 +300,8 @@ class _Search:
         value = last.value
         for _ in range(_RETRIES):
             i = self.inside[outermost]
-            near, far = self.points[i], self.points[i + sign]
+            near = self.points[i]
+            far = self.points[i + sign]
             part = (self._aim - self._z(near)) / (self._z(far) - self._z(near))
             value = near.value + part * (far.value - near.value)
             start = near if part < 0.5 else far

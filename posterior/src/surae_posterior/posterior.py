@@ -44,7 +44,8 @@ def posterior(fit: Fit, *, progress: Progress | None = None, **settings: Any) ->
     --------
     >>> surae.posterior(surae.load("fit.json"), draws=100, seed=1)["f0"].ci95
     """
-    request, reason = PosteriorSettings(**settings), "given"
+    request = PosteriorSettings(**settings)
+    reason = "given"
     if request.variance_inflation is None:
         common = median(variance_inflation(fit.assessment).values())
         request = replace(request, variance_inflation=common)

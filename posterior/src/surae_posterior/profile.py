@@ -52,7 +52,8 @@ def profile(
     wanted = (wanted,) if isinstance(wanted, str) else tuple(wanted)
     reason = "given"
     if request.variance_inflation is None:
-        reason, factors = fit.assessment.interval_note, variance_inflation(fit.assessment)
+        reason = fit.assessment.interval_note
+        factors = variance_inflation(fit.assessment)
         own = {n: factor for n, factor in factors.items() if n in wanted}
         request = replace(request, variance_inflation=own)
     return profiles(

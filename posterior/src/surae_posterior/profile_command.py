@@ -34,11 +34,13 @@ def command(
 
         progress.describe("profiles")
         profiles = profile(
-            fit, names or None, **options,
+            fit,
+            names or None,
+            **options,
             progress=lambda name, done, total: progress.describe(
                 f"profiles: {done} of {total} done, {name} last"
             ),
-        )  # fmt: skip
+        )
 
     if output is not None:
         profiles.save(output)

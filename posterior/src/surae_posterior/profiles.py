@@ -61,10 +61,16 @@ class Profiles(Tabular, Saved):
         done = f"{len(every)} profiles in {self.seconds:.1f} s"
         heads = ("parameter", "value", "95 % profile", "95 % covariance", "status", "unit")
         rows = [
-            (p.name, significant(p.value, 4), open_ends(p.interval), open_ends(p.from_covariance),
-             p.status, p.unit)
+            (
+                p.name,
+                significant(p.value, 4),
+                open_ends(p.interval),
+                open_ends(p.from_covariance),
+                p.status,
+                p.unit,
+            )
             for p in every
-        ]  # fmt: skip
+        ]
         below = (*notes, *filter(None, [self.noise]), done)
         return TextTable(heads, tuple(rows), below=below, numbers=heads[1:4])
 
@@ -96,7 +102,8 @@ def profiles(
         raise InputError(f"nothing to profile; choose from: {', '.join(profiled(result))}")
     if workers is not None and workers < 1:
         raise InputError(f"workers is {workers}; give at least 1")
-    begin, stop = time.perf_counter(), threading.Event()
+    begin = time.perf_counter()
+    stop = threading.Event()
     with one_blas_thread():
         over = surface_of(result)
 

@@ -126,17 +126,24 @@ class Posterior(Tabular, Saved, Comparable):
         """The intervals of posterior and covariance beside each other, and whether they agree."""
         heads = ("parameter", "median", "95 % credible", "95 % covariance", "unit")
         rows = [
-            (name, NO_NUMBER if m.median is None else significant(m.median, 4),
-             open_ends(m.ci95), open_ends(m.from_covariance), m.unit)
+            (
+                name,
+                NO_NUMBER if m.median is None else significant(m.median, 4),
+                open_ends(m.ci95),
+                open_ends(m.from_covariance),
+                m.unit,
+            )
             for name, m in self.marginals.items()
-        ]  # fmt: skip
+        ]
         off = ((name, m.off_covariance) for name, m in self.marginals.items())
         known = {name: value for name, value in off if value is not None}
         apart = [f"{n} by {100 * value:.0f} %" for n, value in known.items() if value > _AGREE]
         notes = []
         if apart:
-            notes.append("other than the covariance (an end differs, in half-widths of the "
-                         f"credible interval): {', '.join(apart)}")  # fmt: skip
+            notes.append(
+                "other than the covariance (an end differs, in half-widths of the "
+                f"credible interval): {', '.join(apart)}"
+            )
         elif known:
             notes.append(f"as the covariance: all ends within {100 * _AGREE:.0f} % of a half-width")
         if prior := [name for name, m in self.marginals.items() if m.of_prior]:
@@ -240,7 +247,8 @@ def sample(
     values = read_only(target.parameters(points))
     reliable, message = _verdict(weighted)
     white = covariance(result.R, problem.free, result.sse, problem.n, result.bounded)
-    matrix, sigma2 = variance_inflation * white.matrix, variance_inflation * white.sigma2
+    matrix = variance_inflation * white.matrix
+    sigma2 = variance_inflation * white.sigma2
     wide = replace(white, matrix=matrix, sigma2=sigma2)
     return Posterior(
         model=problem.spec.name,
@@ -266,7 +274,8 @@ def _verdict(weighted: Weighted) -> tuple[bool, str]:
     """Whether draws can be believed, and a sentence that says why or what to do."""
     shape = f"k-hat of the weights {weighted.k_hat:.2f}"
     worth = f"{weighted.effective:.0f} effective draws"
-    reliable, text = False, f"{worth}, {shape}"
+    reliable = False
+    text = f"{worth}, {shape}"
     if not weighted.k_hat <= weighted.limit:
         text = (
             f"the posterior is not near enough to a Gaussian ({shape}, at most "
@@ -290,7 +299,8 @@ def _marginals(
     sems = dict(zip(estimated.names, np.sqrt(np.diag(estimated.matrix)).tolist(), strict=True))
     marginals = {}
     for j, name in enumerate(problem.free):
-        prior, value = known[name], result.values[name]
+        prior = known[name]
+        value = result.values[name]
         median = ci95 = part = around = None
         if name in sems:
             half = half_width(sems[name], estimated.dof)

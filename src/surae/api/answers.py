@@ -84,9 +84,14 @@ def other_change(before: PathLike, after: PathLike) -> Any:
 
 
 def write_change_page(
-    path: PathLike, change: Change, fits: Sequence[Fit], *, baselines: Sequence[Fit] = (),
-    language: str = "en", angle: float | None = None,
-) -> None:  # fmt: skip
+    path: PathLike,
+    change: Change,
+    fits: Sequence[Fit],
+    *,
+    baselines: Sequence[Fit] = (),
+    language: str = "en",
+    angle: float | None = None,
+) -> None:
     """Write the page of what changed, HTML or by its ending PDF.
 
     `fits` are both that were compared, `baselines` further sessions from before anything changed;
@@ -95,9 +100,13 @@ def write_change_page(
     from surae.report.change import change_report  # matplotlib
 
     change_report(
-        change, fits, created=datetime.now().astimezone(), baselines=baselines,
-        language=language, angle=angle,
-    ).write(path)  # fmt: skip
+        change,
+        fits,
+        created=datetime.now().astimezone(),
+        baselines=baselines,
+        language=language,
+        angle=angle,
+    ).write(path)
 
 
 def fit_of(given: Fit | PathLike) -> Fit:

@@ -39,9 +39,12 @@ from surae.quality.position import perturbing
 
 #: Legs that a design is searched for, of a rigid and of a compliant model, and those that it is
 #: judged by.
-_SEARCHED, _SEARCHED_COMPLIANT, _JUDGED = 8, 5, 40
+_SEARCHED = 8
+_SEARCHED_COMPLIANT = 5
+_JUDGED = 40
 #: Plans that are judged in a search, likewise.
-_EVALUATIONS, _EVALUATIONS_COMPLIANT = 8000, 10_000
+_EVALUATIONS = 8000
+_EVALUATIONS_COMPLIANT = 10_000
 #: Seeds of the legs of the search come before those of every expectation.
 _SEARCH_SEEDS = -500_000
 
@@ -98,25 +101,36 @@ def design(
     rigid = chosen == "muscle"
     count = _SEARCHED if rigid else _SEARCHED_COMPLIANT
     first = _SEARCH_SEEDS if who is None else 1
-    rate_hz, effort = settings.rate_hz, settings.effort == "levels"
+    rate_hz = settings.rate_hz
+    effort = settings.effort == "levels"
     legs, level = requested_legs(settings, who, count, options, rate_hz, first=first)
     unseen, _ = requested_legs(settings, who, _JUDGED, options, rate_hz)
     legs, unseen = (filmed(each, muscles_of(settings.film)) for each in (legs, unseen))
     limits = as_device(device)
     precision = {} if who is None else fit_precision(who, unseen)
     return make_design(
-        name=f"design of {duration:g} s", seconds=float(duration), rate_hz=rate_hz, device=limits,
-        angle_range=_range_of(limits, settings.angle_range, settings.population, who), legs=legs,
-        unseen=unseen, noise=level, aim=settings.aim, effort=effort,
+        name=f"design of {duration:g} s",
+        seconds=float(duration),
+        rate_hz=rate_hz,
+        device=limits,
+        angle_range=_range_of(limits, settings.angle_range, settings.population, who),
+        legs=legs,
+        unseen=unseen,
+        noise=level,
+        aim=settings.aim,
+        effort=effort,
         evaluations=settings.evaluations or (_EVALUATIONS if rigid else _EVALUATIONS_COMPLIANT),
-        seed=settings.seed, known=None if after is None else precision["known"],
-        precision=precision, progress=progress,
+        seed=settings.seed,
+        known=None if after is None else precision["known"],
+        precision=precision,
+        progress=progress,
         start=start_for(duration, AUTO if chosen == AUTO else chosen, settings.aim, effort),
-    )  # fmt: skip
+    )
 
 
 #: Trials of a session that are planned, and legs that it is planned by.
-_TRIALS, _PLANNED = {"active": "compliant-35", "passive": "relaxed-35"}, 8
+_TRIALS = {"active": "compliant-35", "passive": "relaxed-35"}
+_PLANNED = 8
 
 
 @renamed(range="angle_range")
@@ -225,9 +239,14 @@ def measure_next(
     legs, level = requested_legs(LegSettings(noise=noise), fit, _SEARCHED, ModelOptions(), 256.0)
     limits = as_device(device)
     return measure_next_of(
-        fit, legs, noise=level, device=limits,
-        angle_range=_range_of(limits, angle_range, None, fit), longest=duration, wanted=wanted,
-    )  # fmt: skip
+        fit,
+        legs,
+        noise=level,
+        device=limits,
+        angle_range=_range_of(limits, angle_range, None, fit),
+        longest=duration,
+        wanted=wanted,
+    )
 
 
 def _range_of(
@@ -241,7 +260,8 @@ def _range_of(
         return allowed_range(device, (float(wanted[0]), float(wanted[1])))
     if fit is not None:
         angles = [i.angle for i in fit.result.problem.inputs]
-        low, high = min(float(a.min()) for a in angles), max(float(a.max()) for a in angles)
+        low = min(float(a.min()) for a in angles)
+        high = max(float(a.max()) for a in angles)
         reach = (low, high) if device is None else device.angle_range or (low, high)
         return allowed_range(device, (max(low, reach[0]), min(high, reach[1])))
     if population == "patient":
@@ -384,15 +404,24 @@ def _of_nerve(what: str) -> Callable[..., Any]:
 
 
 def requested_legs(
-    settings: LegSettings, fit: Fit | None, count: int, options: ModelOptions, rate_hz: float, *,
+    settings: LegSettings,
+    fit: Fit | None,
+    count: int,
+    options: ModelOptions,
+    rate_hz: float,
+    *,
     first: int = 0,
-) -> tuple[Legs, float]:  # fmt: skip
+) -> tuple[Legs, float]:
     """Whose legs are meant, so many of them, and the noise of their torque."""
     if fit is None:
         who = population_legs(
-            settings.model, settings.population, count, first=first, nuisances=settings.nuisances,
+            settings.model,
+            settings.population,
+            count,
+            first=first,
+            nuisances=settings.nuisances,
             options=options,
-        )  # fmt: skip
+        )
         return who, settings.noise or NOISE
     if settings.population is not None:
         raise InputError("give a population or a fit, not both")

@@ -12,7 +12,8 @@ from surae.studies import realistic_imperfections, virtual_recording, virtual_su
 #: Sampling rate of all channels [Hz].
 _RATE = 1024.0
 #: Held angles [deg], and for how long [s].
-_HELD, _HOLD = (-15, 0, 10, 18), 8.0
+_HELD = (-15, 0, 10, 18)
+_HOLD = 8.0
 #: Trials that move: name, profile, effort, duration [s].
 _MOVED = (
     ("slow_stretch", "ramp-and-hold", "passive", 30.0),
@@ -27,9 +28,14 @@ def example_leg(folder: PathLike) -> tuple[Path, ...]:
     movements = {f"held_{angle}deg": _held(angle) for angle in _HELD}
     for name, profile, task, seconds in _MOVED:
         movements[name] = generate(
-            Protocol(profile=profile, task=task, duration=seconds, rate_hz=_RATE,
-                     device=named_device("achilles"))
-        )  # fmt: skip
+            Protocol(
+                profile=profile,
+                task=task,
+                duration=seconds,
+                rate_hz=_RATE,
+                device=named_device("achilles"),
+            )
+        )
     files = []
     for number, (name, movement) in enumerate(movements.items()):
         recording = virtual_recording(
@@ -43,10 +49,14 @@ def example_leg(folder: PathLike) -> tuple[Path, ...]:
 def _held(degrees: int) -> Trajectory:
     """The ankle held still and relaxed."""
     time = np.arange(round(_HOLD * _RATE)) / _RATE
-    still, angle = np.zeros(len(time)), np.radians(degrees)
+    still = np.zeros(len(time))
+    angle = np.radians(degrees)
     around = (angle - 0.01, angle + 0.01)
     return Trajectory(
         settings=Given(profile="hold", task="passive", angle_range=around, rate_hz=_RATE),
-        time=time, angle=still + angle, velocity=still, acceleration=still,
+        time=time,
+        angle=still + angle,
+        velocity=still,
+        acceleration=still,
         effort=np.zeros((len(time), 4)),
-    )  # fmt: skip
+    )

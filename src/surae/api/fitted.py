@@ -105,13 +105,24 @@ class Fit(Tabular, AssessedFit):
 
         rows = []
         for p in self.parameters.values():
-            (low, high), again = p.ci95 or (None, None), p.ci95_repeat or (None, None)
-            rows.append({
-                "parameter": p.name, "value": p.value, "unit": p.unit, "low": low, "high": high,
-                "repeat_low": again[0], "repeat_high": again[1], "sem": p.trusted_sem,
-                "verdict": str(p.verdict), "free": p.free, "at_bound": p.at_bound,
-                "meaning": p.meaning,
-            })  # fmt: skip
+            (low, high) = p.ci95 or (None, None)
+            again = p.ci95_repeat or (None, None)
+            rows.append(
+                {
+                    "parameter": p.name,
+                    "value": p.value,
+                    "unit": p.unit,
+                    "low": low,
+                    "high": high,
+                    "repeat_low": again[0],
+                    "repeat_high": again[1],
+                    "sem": p.trusted_sem,
+                    "verdict": str(p.verdict),
+                    "free": p.free,
+                    "at_bound": p.at_bound,
+                    "meaning": p.meaning,
+                }
+            )
         return frame(rows, {}).set_index("parameter")
 
     def to_inference_data(
@@ -168,8 +179,11 @@ class Fit(Tabular, AssessedFit):
         xarray = library("xarray", "a Dataset")
         own = numbered(self.result.problem.inputs, recording)
         torque = measured(own)
-        columns = {"angle": (own.angle, "rad"), "torque": (torque, "Nm"),
-                   "modelled": (torque - self.result.residuals[recording], "Nm")}  # fmt: skip
+        columns = {
+            "angle": (own.angle, "rad"),
+            "torque": (torque, "Nm"),
+            "modelled": (torque - self.result.residuals[recording], "Nm"),
+        }
         variables = {name: ("time", values, {"units": u}) for name, (values, u) in columns.items()}
         return xarray.Dataset(variables, {"time": own.time}, {"name": own.name})
 
@@ -234,7 +248,8 @@ class Fit(Tabular, AssessedFit):
 
         Without pandas, `covariance` has names and matrix.
         """
-        known, table = self.covariance, library("pandas", "a table of correlations")
+        known = self.covariance
+        table = library("pandas", "a table of correlations")
         return table.DataFrame(known.correlation, index=known.names, columns=known.names)
 
     @property
@@ -324,13 +339,18 @@ class Fit(Tabular, AssessedFit):
 
         return frame(
             [
-                {"recording": f.recording, "channel": f.channel, "time": t, "measured": y,
-                 "modelled": x}
+                {
+                    "recording": f.recording,
+                    "channel": f.channel,
+                    "time": t,
+                    "measured": y,
+                    "modelled": x,
+                }
                 for f in fascicles_of(self.result)
                 for t, y, x in zip(f.time, f.measured, f.modelled, strict=True)
             ],
             {"time": "s", "measured": "m", "modelled": "m"},
-        )  # fmt: skip
+        )
 
     def measures(self, angles: Sequence[float] = (-10.0, 0.0, 10.0)) -> "Measures":
         """Torque, stiffness and more in a clinician's units, with intervals and verdicts.
@@ -414,5 +434,6 @@ class Fit(Tabular, AssessedFit):
 
         from surae.report.fit import fit_report  # matplotlib, only when one is made
 
-        now, versions = datetime.now().astimezone(), self.result.versions
+        now = datetime.now().astimezone()
+        versions = self.result.versions
         return fit_report(self, predictions, versions=versions, created=now)

@@ -35,11 +35,15 @@ asks_as_fit = takes(FitSettings, ModelOptions, defaults=False)
 
 @asks_as_fit
 def fit(
-    recordings: AnyRecording | Sequence[AnyRecording], model: str | FitSettings = AUTO, *,
-    mvc: AnyRecording | Sequence[AnyRecording] = (), quality: Sequence[Quality] | None = None,
-    progress: SearchProgress | None = None, follow: Follow | None = None,
+    recordings: AnyRecording | Sequence[AnyRecording],
+    model: str | FitSettings = AUTO,
+    *,
+    mvc: AnyRecording | Sequence[AnyRecording] = (),
+    quality: Sequence[Quality] | None = None,
+    progress: SearchProgress | None = None,
+    follow: Follow | None = None,
     **keywords: "Unpack[FitKeywords]",
-) -> Fit:  # fmt: skip
+) -> Fit:
     """Estimate a model's parameters from one recording, or from several together.
 
     ``surae.fit("trial.csv")`` is all that most need; its `summary` says what was found.
@@ -121,9 +125,12 @@ def inputs_for(
 
 
 def fit_inputs(
-    inputs: Sequence[ModelInputs], settings: FitSettings, quality: Sequence[Quality] = (),
-    progress: SearchProgress | None = None, follow: Follow | None = None,
-) -> Fit:  # fmt: skip
+    inputs: Sequence[ModelInputs],
+    settings: FitSettings,
+    quality: Sequence[Quality] = (),
+    progress: SearchProgress | None = None,
+    follow: Follow | None = None,
+) -> Fit:
     """The fit of recordings that `inputs_for` has prepared; all else is as of `fit`."""
     problem = make_problem(inputs, settings)
     result = solve(problem, progress=progress, follow=follow)

@@ -29,8 +29,11 @@ class Plots:
     assessment: Assessment  #: What it is worth.
 
     def __repr__(self) -> str:
-        names = ", ".join(f".{name}()" for name in dir(self) if not name.startswith("_")
-                          and callable(getattr(self, name)))  # fmt: skip
+        names = ", ".join(
+            f".{name}()"
+            for name in dir(self)
+            if not name.startswith("_") and callable(getattr(self, name))
+        )
         return f"plots of a fit: call it, or {names}"
 
     def __call__(self, recording: int = 0) -> "Sequence[Axes]":
@@ -44,7 +47,8 @@ class Plots:
         """Measured and modelled torque against time."""
         from surae.report.figures.torque import draw_torque
 
-        axes, traces = _axes(ax), self._traces(recording)
+        axes = _axes(ax)
+        traces = self._traces(recording)
         draw_torque((axes,), traces)
         axes.set_xlabel("Time [s]")
         return axes
@@ -53,7 +57,8 @@ class Plots:
         """What the modelled torque is made of, against time."""
         from surae.report.figures.torque import draw_parts
 
-        axes, traces = _axes(ax), self._traces(recording)
+        axes = _axes(ax)
+        traces = self._traces(recording)
         draw_parts((axes,), traces)
         return axes
 
@@ -61,7 +66,8 @@ class Plots:
         """Measured minus modelled torque against time."""
         from surae.report.figures import INK, dress, shade_excluded, trace
 
-        traces, axes = self._traces(recording), _axes(ax)
+        traces = self._traces(recording)
+        axes = _axes(ax)
         dress(axes, "Measured − modelled [Nm]", "Time [s]")
         trace(axes, traces.time, traces.residual, color=INK, linewidth=0.7)
         shade_excluded(axes, traces.time, traces.excluded)

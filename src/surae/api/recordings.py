@@ -84,9 +84,12 @@ def example(path: PathLike | None = None, *, trial: int = 1) -> Recording:
     >>> recording = surae.example("trial.csv")
     """
     protocol = Protocol(
-        profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.159, rate_hz=_RATE,
+        profile="multiple-holds",
+        chirp_amplitude=0.2,
+        chirp_rate=0.159,
+        rate_hz=_RATE,
         device=named_device("achilles"),
-    )  # fmt: skip
+    )
     simulated = virtual_recording(
         virtual_subject(seed=1), generate(protocol), seed=trial, imperfections=_NOISE
     )
@@ -113,10 +116,13 @@ def explained(error: InputError, recordings: Iterable[Recording | ModelInputs]) 
 
 
 def check(
-    recording: AnyRecording, *, commanded: Commanded | PathLike | None = None,
-    prepared: bool = False, joint: Joint | PathLike | None = None,
+    recording: AnyRecording,
+    *,
+    commanded: Commanded | PathLike | None = None,
+    prepared: bool = False,
+    joint: Joint | PathLike | None = None,
     exclude: Sequence[Sequence[float]] = (),
-) -> Quality:  # fmt: skip
+) -> Quality:
     """Look for faults in a recording before it is fitted.
 
     Parameters
@@ -153,10 +159,13 @@ def check(
 
 
 def check_together(
-    recordings: Iterable[AnyRecording], *, commanded: Commanded | PathLike | None = None,
-    prepared: bool = False, joint: Joint | PathLike | None = None,
+    recordings: Iterable[AnyRecording],
+    *,
+    commanded: Commanded | PathLike | None = None,
+    prepared: bool = False,
+    joint: Joint | PathLike | None = None,
     exclude: Sequence[Sequence[float]] = (),
-) -> list[Quality]:  # fmt: skip
+) -> list[Quality]:
     """Findings of recordings of one leg: holds at several angles are one set.
 
     Parameters
@@ -176,7 +185,8 @@ def check_together(
     InputError
         A file cannot be read.
     """
-    every, angles = [], []
+    every = []
+    angles = []
     for quality, angle in _checked(recordings, commanded, prepared, joint, exclude):
         every.append(quality)
         angles += [angle] if "angle-still" in {f.code for f in quality.findings} else []
@@ -185,14 +195,18 @@ def check_together(
 
 
 def _checked(
-    recordings: Iterable[AnyRecording], commanded: Commanded | PathLike | None, prepared: bool,
-    joint: Joint | PathLike | None, exclude: Sequence[Sequence[float]],
-) -> Iterator[tuple[Quality, float]]:  # fmt: skip
+    recordings: Iterable[AnyRecording],
+    commanded: Commanded | PathLike | None,
+    prepared: bool,
+    joint: Joint | PathLike | None,
+    exclude: Sequence[Sequence[float]],
+) -> Iterator[tuple[Quality, float]]:
     """Findings of each, and its median angle [rad]."""
     given = commanded if isinstance(commanded, Commanded | None) else commanded_file(commanded)
     own = joint if isinstance(joint, Joint | None) else read_joint(joint)
     for recording in recordings:
-        protocol, angle = given, math.nan
+        protocol = given
+        angle = math.nan
         measured: Recording | Quality
         if isinstance(recording, Recording | ModelInputs | DataFrame):
             read_ = read_in(recording)
@@ -218,7 +232,8 @@ def _checked(
 
 def checks_for(settings: FitSettings, recordings: Sequence[AnyRecording]) -> list[Quality]:
     """Findings of recordings that are fitted together with these settings."""
-    anatomy, exclude = settings.options.anatomy, left_out(settings)
+    anatomy = settings.options.anatomy
+    exclude = left_out(settings)
     return check_together(recordings, prepared=settings.prepared, joint=anatomy, exclude=exclude)
 
 

@@ -180,10 +180,15 @@ class SessionResult(FittedLeg):
 
 def _row(name: str, effort: str, fit: Fit) -> dict[str, Any]:
     row: dict[str, Any] = {
-        "trial": name, "effort": effort, "model": fit.result.problem.spec.name,
-        "status": fit.status, "grade": str(fit.adequacy.grade), "r2": finite(fit.adequacy.r2),
-        "vaf": finite(fit.vaf), "rmse_Nm": finite(fit.assessment.rmse),
-    }  # fmt: skip
+        "trial": name,
+        "effort": effort,
+        "model": fit.result.problem.spec.name,
+        "status": fit.status,
+        "grade": str(fit.adequacy.grade),
+        "r2": finite(fit.adequacy.r2),
+        "vaf": finite(fit.vaf),
+        "rmse_Nm": finite(fit.assessment.rmse),
+    }
     for p in fit.parameters.values():
         low, high = p.ci95 or (None, None)
         row |= {p.name: p.value, f"{p.name}_low": low, f"{p.name}_high": high}
@@ -280,7 +285,8 @@ def load_session(folder: PathLike) -> SessionResult:
     root = Path(folder)
     if not (root / INDEX).is_file():
         raise InputError(f"{shown(folder)}: this is no session: it has no {INDEX}")
-    data, where = read_json(root / INDEX), shown(root / INDEX)
+    data = read_json(root / INDEX)
+    where = shown(root / INDEX)
     if data.get("format") != "surae session" or data.get("version") != SESSION_FORMAT:
         raise InputError(f"{where}: damaged, or of a newer surae")
     with within(where, "; damaged, or of a newer surae"):

@@ -55,9 +55,12 @@ StepProgress = Callable[[Step], None]
 
 
 def run(
-    session: TrialSet, settings: FitSettings, output: PathLike | None,
-    progress: StepProgress | None, workers: int | None,
-) -> SessionResult:  # fmt: skip
+    session: TrialSet,
+    settings: FitSettings,
+    output: PathLike | None,
+    progress: StepProgress | None,
+    workers: int | None,
+) -> SessionResult:
     """Check, fit each and all, cross-predict; see `Session.run`."""
     if any(trial.name == "joint" for trial in session.trials):
         raise InputError("a trial is called 'joint', as the fit of all together is; rename it")
@@ -86,7 +89,10 @@ class _Run:
     def __init__(
         self, session: TrialSet, settings: FitSettings, root: Path | None, progress: StepProgress
     ) -> None:
-        self.session, self.settings, self.root, self.progress = session, settings, root, progress
+        self.session = session
+        self.settings = settings
+        self.root = root
+        self.progress = progress
         self.inputs: dict[str, tuple[ModelInputs, ...]] = {}
         self.fits: dict[str, Fit] = {}
         self.joint: Fit | None = None
@@ -99,7 +105,8 @@ class _Run:
         self.interrupted = False
         self._cost: dict[str, float] = {}
         #: Seconds and cost of the fits that were made now.
-        self._spent, self._paid = 0.0, 0.0
+        self._spent = 0.0
+        self._paid = 0.0
         self._steps = [*(trial.name for trial in session.trials), "all together"]
         self._done = 0
 
@@ -169,7 +176,8 @@ class _Run:
         if fit is None:
             self.failed["joint"] = outcome
         else:
-            self.joint, self.joined = fit, names
+            self.joint = fit
+            self.joined = names
         self._step("all together", outcome)
 
     def nerves(self) -> None:
@@ -203,9 +211,18 @@ class _Run:
             findings = tuple(f for f in checked.findings if f.code not in known)
             quality[name] = replace(checked, findings=findings)
         return SessionResult(
-            self.session, self.settings, self.fits, self.joint, self.joined, self.failed,
-            quality, self.predictions, self.joint_predictions, self.interrupted, self.nerve,
-        )  # fmt: skip
+            self.session,
+            self.settings,
+            self.fits,
+            self.joint,
+            self.joined,
+            self.failed,
+            quality,
+            self.predictions,
+            self.joint_predictions,
+            self.interrupted,
+            self.nerve,
+        )
 
     def _wrong(self, name: str) -> Finding | None:
         """The first finding of a trial that is an error, and new; its parts have no gap."""
@@ -293,9 +310,12 @@ class _Beside:
         self._folder.cleanup()
 
     def begin(
-        self, names: tuple[str, ...], inputs: Sequence[ModelInputs], quality: Sequence[Quality],
+        self,
+        names: tuple[str, ...],
+        inputs: Sequence[ModelInputs],
+        quality: Sequence[Quality],
         settings: FitSettings,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Begin the fit of these trials."""
         self._names = names
         request = {"inputs": inputs, "quality": quality, "settings": settings}

@@ -34,10 +34,14 @@ class Session(TrialSet):
 
     @asks_as_fit
     def fit(
-        self, trials: str | Sequence[str] | None = None, model: str | FitSettings = AUTO, *,
-        progress: SearchProgress | None = None, follow: Follow | None = None,
+        self,
+        trials: str | Sequence[str] | None = None,
+        model: str | FitSettings = AUTO,
+        *,
+        progress: SearchProgress | None = None,
+        follow: Follow | None = None,
         **keywords: "Unpack[FitKeywords]",
-    ) -> Fit:  # fmt: skip
+    ) -> Fit:
         """Fit one trial, or several jointly: they share all parameters of the leg.
 
         Parameters
@@ -77,10 +81,14 @@ class Session(TrialSet):
 
     @asks_as_fit
     def run(
-        self, output: PathLike | None = None, model: str | FitSettings = AUTO, *,
-        progress: StepProgress | None = None, workers: int | None = 1,
+        self,
+        output: PathLike | None = None,
+        model: str | FitSettings = AUTO,
+        *,
+        progress: StepProgress | None = None,
+        workers: int | None = 1,
         **keywords: "Unpack[FitKeywords]",
-    ) -> SessionResult:  # fmt: skip
+    ) -> SessionResult:
         """Check every trial, fit each and all together, and predict each by the others.
 
         Parameters
@@ -112,13 +120,21 @@ class Session(TrialSet):
 
 
 def session(
-    recordings: PathLike | Sequence[PathLike | Recording], *, mapping: PathLike | None = None,
-    name: str | None = None, side: str | None = None, date: str | None = None,
-    condition: str | None = None, notes: str | None = None,
-    efforts: Mapping[str, str] | None = None, sign: Mapping[str, float] | None = None,
-    scale: Mapping[str, float] | None = None, offset: Mapping[str, float] | None = None,
-    swap: Sequence[Sequence[str]] = (), wrap: Mapping[str, float] | None = None,
-) -> Session:  # fmt: skip
+    recordings: PathLike | Sequence[PathLike | Recording],
+    *,
+    mapping: PathLike | None = None,
+    name: str | None = None,
+    side: str | None = None,
+    date: str | None = None,
+    condition: str | None = None,
+    notes: str | None = None,
+    efforts: Mapping[str, str] | None = None,
+    sign: Mapping[str, float] | None = None,
+    scale: Mapping[str, float] | None = None,
+    offset: Mapping[str, float] | None = None,
+    swap: Sequence[Sequence[str]] = (),
+    wrap: Mapping[str, float] | None = None,
+) -> Session:
     """Read the trials of one leg, and decide what each of them is.
 
     Parameters
@@ -183,9 +199,11 @@ def session(
     trials = sorted_trials(readings, {**kinds, **(efforts or {})})
     there = {t.name: t.recording for t in trials if t.recording is not None and not t.problem}
     known = known_from(
-        said, there, {trial.name: trial.effort for trial in trials},
+        said,
+        there,
+        {trial.name: trial.effort for trial in trials},
         read=lambda path: _recording(path.stem, path, description, right),
-    )  # fmt: skip
+    )
     return Session(
         trials=trials,
         name=name or (description.name if description else None) or _folder_name(paths),

@@ -88,9 +88,11 @@ def simulate(
     >>> values = surae.load("fit.json").values
     >>> torque = surae.simulate("muscle", values, "trial.csv")
     """
-    spec, chosen = with_optional(get_model(model), parameters), ModelOptions.of(**options)
+    spec = with_optional(get_model(model), parameters)
+    chosen = ModelOptions.of(**options)
     inputs = as_inputs(recording, prepared=True)
-    simulator, values = spec.simulator(inputs, chosen), spec.vector(parameters, chosen)
+    simulator = spec.simulator(inputs, chosen)
+    values = spec.vector(parameters, chosen)
     wanted = (*spec.free, *(name for name in spec.optional if name in parameters))
     columns = [spec.names.index(name) for name in wanted]
     with _quietly():

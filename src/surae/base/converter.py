@@ -89,8 +89,13 @@ def _as_it_is(value: Any, kind: Any) -> Any:
     return value
 
 
-_SORTS: Mapping[Any, str] = {str: "a text", int: "a whole number", bool: "true or false",
-                             float: "a number", tuple: "a list"}  # fmt: skip
+_SORTS: Mapping[Any, str] = {
+    str: "a text",
+    int: "a whole number",
+    bool: "true or false",
+    float: "a number",
+    tuple: "a list",
+}
 
 
 def _exactly(value: Any, kind: type) -> Any:
@@ -151,7 +156,8 @@ def _tuple_in(kind: Any) -> Any:
 
 
 def _tuple_out(kind: Any) -> Any:
-    made, parts = converter(), get_args(kind)
+    made = converter()
+    parts = get_args(kind)
     if not parts or parts[-1] is Ellipsis:
         write = made.get_unstructure_hook(parts[0] if parts else Any)
         return lambda values: [write(value) for value in values]

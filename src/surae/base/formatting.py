@@ -82,7 +82,8 @@ def _end(end: float, value: float, away: float) -> str:
         first = max(first, order)
     shift = _shift(_order(value or end))
     if end and (first > order + 1 or abs(order - _order(value)) > 1):
-        first, shift = min(first, order + 1), _shift(order)  # one digit of its own at least
+        first = min(first, order + 1)
+        shift = _shift(order)  # one digit of its own at least
     return _to_digit(end, first, shift)
 
 

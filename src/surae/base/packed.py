@@ -58,7 +58,9 @@ def bound_arrays(data: Any) -> None:
     Noise, which each measured signal and each residual is, packs to three quarters; a file of
     traces of which most are zero to a twelfth.
     """
-    claimed, packed, open_ = 0, 0, [data]
+    claimed = 0
+    packed = 0
+    open_ = [data]
     while open_:
         part = open_.pop()
         if isinstance(part, Mapping) and {"shape", "encoding", "data"} <= part.keys():

@@ -46,7 +46,8 @@ class Extended(Mapping[str, V_co]):
     __slots__ = ("_more", "_own")
 
     def __init__(self, own: Mapping[str, V_co], more: Callable[[], Mapping[str, V_co]]) -> None:
-        self._own, self._more = own, more
+        self._own = own
+        self._more = more
 
     def __getitem__(self, name: str) -> V_co:
         return self._own[name] if name in self._own else self._more()[name]

@@ -10,7 +10,8 @@ Progress = Callable[[int, int], None]
 #: Called with how many starts are done, how many there are, and the best sum of squares so far.
 SearchProgress = Callable[[int, int, float], None]
 #: A line is shown of what takes longer [s], and no more often than so [s].
-_PATIENCE, _PACE = 2.0, 0.5
+_PATIENCE = 2.0
+_PACE = 0.5
 
 
 @contextmanager
@@ -22,7 +23,8 @@ def line_of_progress(what: str) -> Iterator[Callable[..., None]]:
     """
     is_seen = sys.stderr.isatty() or "ipykernel" in sys.modules
     begun = last = time.monotonic()
-    counted, width = "", 0
+    counted = ""
+    width = 0
 
     def tell(*news: object) -> None:
         nonlocal last, counted, width
@@ -31,7 +33,8 @@ def line_of_progress(what: str) -> Iterator[Callable[..., None]]:
         words = next((f", {word}" for word in news if isinstance(word, str)), "")
         now = time.monotonic()
         if is_seen and (words or (now - begun > _PATIENCE and now - last > _PACE)):
-            last, text = now, f"{what}: {now - begun:.0f} s{words or counted}"
+            last = now
+            text = f"{what}: {now - begun:.0f} s{words or counted}"
             sys.stderr.write(f"\r{text.ljust(width)}")
             sys.stderr.flush()
             width = len(text)

@@ -23,9 +23,11 @@ from surae.base.units import FloatArray
 T = TypeVar("T")
 
 #: Layouts of FIT.json and of a session's index; raised when an older surae could not read them.
-FORMAT, SESSION_FORMAT = 2, 1
+FORMAT = 2
+SESSION_FORMAT = 1
 #: Bytes of a TOML file, and how deep it may be nested: ours are three deep.
-_TOML, _NESTED = 16 * 2**20, 32
+_TOML = 16 * 2**20
+_NESTED = 32
 #: Numbers that a file has as null where there is none.
 OrNaN = Annotated[float, math.nan]
 OrInfinite = Annotated[float, math.inf]
@@ -65,7 +67,8 @@ def _reason(error: BaseException) -> str:
     text = " ".join(str(error).split()) or type(error).__name__
     if isinstance(error, KeyError):
         key = str(error.args[0])
-        where, text = (where if where.endswith(f".{key}") else f"{where}.{key}"), "it is missing"
+        where = where if where.endswith(f".{key}") else f"{where}.{key}"
+        text = "it is missing"
     where = where.lstrip(".")
     return f"{where}: {text}" if where else text
 

@@ -9,7 +9,8 @@ from surae.base.setting import Request, setting
 from surae.base.words import N_
 
 #: More fits or threads than these are slips of the keyboard.
-_MOST_FITS, _MOST_WORKERS = 1_000_000, 1000
+_MOST_FITS = 1_000_000
+_MOST_WORKERS = 1000
 
 
 def _model(default: str, what: str) -> Any:
@@ -21,10 +22,12 @@ def _model(default: str, what: str) -> Any:
 
 def _film() -> Any:
     return setting(
-        "", 'Muscles whose fascicles would be filmed: ``"tib"``, ``"gm"``, ``"gl"``, ``"sol"``.',
-        type="str or sequence of str", metavar="MUSCLE,…",
+        "",
+        'Muscles whose fascicles would be filmed: ``"tib"``, ``"gm"``, ``"gl"``, ``"sol"``.',
+        type="str or sequence of str",
+        metavar="MUSCLE,…",
         help="Fascicles that are filmed: tib, gm, gl, sol.",
-    )  # fmt: skip
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,27 +36,37 @@ class LegSettings(Request):
 
     model: str = _model(AUTO, "What would be fitted.")
     population: str | None = setting(
-        None, "Whose legs; by default as many of each.", choices=POPULATIONS, metavar="P",
+        None,
+        "Whose legs; by default as many of each.",
+        choices=POPULATIONS,
+        metavar="P",
         help="healthy or patient legs.  [default: as many of each]",
-    )  # fmt: skip
+    )
     noise: float | None = setting(
-        None, "Standard deviation of the torque's noise [Nm], white, sample by sample at the "
-        "protocol's rate; by default 0.5, or what the fit's residual comes to.", least=1e-6,
-        most=1000.0, metavar="NM", help="Standard deviation of the torque's white noise, sample by "
+        None,
+        "Standard deviation of the torque's noise [Nm], white, sample by sample at the "
+        "protocol's rate; by default 0.5, or what the fit's residual comes to.",
+        least=1e-6,
+        most=1000.0,
+        metavar="NM",
+        help="Standard deviation of the torque's white noise, sample by "
         "sample at the protocol's rate.  [default: 0.5, or the fit's]",
-    )  # fmt: skip
+    )
     nuisances: str | Mapping[str, tuple[float, float]] | None = setting(
-        None, "As of `surae.fit`.", choices=NUISANCES,
+        None,
+        "As of `surae.fit`.",
+        choices=NUISANCES,
         help="Which of the laboratory's imperfections count.  [default: all for auto]",
-    )  # fmt: skip
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExpectSettings(LegSettings):
     """Whose protocol is judged, and by how many legs; see `surae.expect`."""
 
-    legs: int = setting(20, "How many legs are drawn.", least=1, most=10_000,
-                        help="How many legs are drawn.")  # fmt: skip
+    legs: int = setting(
+        20, "How many legs are drawn.", least=1, most=10_000, help="How many legs are drawn."
+    )
     film: str | tuple[str, ...] = _film()
 
 
@@ -62,36 +75,56 @@ class DesignSettings(LegSettings):
     """What a protocol is searched for; see `surae.design`."""
 
     angle_range: tuple[float, float] | None = setting(
-        None, "The subject's full plantarflexion and dorsiflexion [rad]; by default what the fit's "
+        None,
+        "The subject's full plantarflexion and dorsiflexion [rad]; by default what the fit's "
         "recordings reached, or -0.9 … 0.6 rad, as far as the device reaches. Required for "
-        "patients.", option="range", metavar="LOW:HIGH", help="Full plantarflexion and "
+        "patients.",
+        option="range",
+        metavar="LOW:HIGH",
+        help="Full plantarflexion and "
         "dorsiflexion of the subject in rad, or as 20deg; required for patients.  [default: the "
         "fit's, or -0.9:0.6, or the device's]",
-    )  # fmt: skip
+    )
     aim: str = setting(
-        "worst", '``"worst"``: the largest relative standard error; ``"mean"``: the mean of their '
+        "worst",
+        '``"worst"``: the largest relative standard error; ``"mean"``: the mean of their '
         "logarithms; or names of parameters and measures with commas between, e.g. "
-        '``"passive_stiffness@10deg"``.', metavar="worst|mean|NAME,…",
+        '``"passive_stiffness@10deg"``.',
+        metavar="worst|mean|NAME,…",
         help="What is to be known: parameters and measures by name.",
-    )  # fmt: skip
+    )
     effort: str = setting(
-        EFFORTS[0], "What the subject can do: bursts of any level, or nothing.", choices=EFFORTS,
+        EFFORTS[0],
+        "What the subject can do: bursts of any level, or nothing.",
+        choices=EFFORTS,
         help="What the subject can do.",
-    )  # fmt: skip
+    )
     film: str | tuple[str, ...] = _film()
     model: str = _model("muscle", "Whose parameters are to be known.")
     duration: float = setting(
-        35.0, "Of the trial [s], rests at both ends included.", least=5.0, most=600.0, metavar="S",
+        35.0,
+        "Of the trial [s], rests at both ends included.",
+        least=5.0,
+        most=600.0,
+        metavar="S",
         help="Of the trial, in s.",
-    )  # fmt: skip
+    )
     rate_hz: float = setting(
-        256.0, "Sampling rate [Hz].", least=20.0, most=2048.0, option="rate", metavar="HZ",
+        256.0,
+        "Sampling rate [Hz].",
+        least=20.0,
+        most=2048.0,
+        option="rate",
+        metavar="HZ",
         help="Samples per second.",
-    )  # fmt: skip
+    )
     evaluations: int | None = setting(
-        None, "Plans that are judged; more is better and takes longer.", least=1, most=10_000_000,
+        None,
+        "Plans that are judged; more is better and takes longer.",
+        least=1,
+        most=10_000_000,
         help="Plans that are judged: more is better and slower.",
-    )  # fmt: skip
+    )
     seed: int = setting(0, "Of the search.", least=0, help="Of the search.")
 
 
@@ -103,46 +136,80 @@ class MotionSettings:
         TASKS[0], "A name of `TASKS`.", choices=TASKS, help="What the subject does."
     )
     passive_seconds: float | None = setting(
-        None, "How long the subject is relaxed before the bursts of the task `part-passive` [s]; "
-        "None for its 11 s.", least=0.0, most=600.0, metavar="S", label=N_("Relaxed at first [s]"),
+        None,
+        "How long the subject is relaxed before the bursts of the task `part-passive` [s]; "
+        "None for its 11 s.",
+        least=0.0,
+        most=600.0,
+        metavar="S",
+        label=N_("Relaxed at first [s]"),
         needs="task=part-passive",
         help="How long the task part-passive begins relaxed, in s.  [default: 11]",
-    )  # fmt: skip
+    )
     turns: tuple[str, ...] = setting(
-        (), "Whose bursts follow each other, over and over: muscles of one direction, joined by +; "
-        "where none is given ``gl+sol+gm`` and ``ta``.", option="turn", metavar="MUSCLE[+MUSCLE]",
+        (),
+        "Whose bursts follow each other, over and over: muscles of one direction, joined by +; "
+        "where none is given ``gl+sol+gm`` and ``ta``.",
+        option="turn",
+        metavar="MUSCLE[+MUSCLE]",
         help="Muscles of a burst; repeated, their order.  [default: gl+sol+gm, ta]",
-    )  # fmt: skip
+    )
     chirp_amplitude: float = setting(
-        0.0, "Amplitude of the added chirp [rad], less than half the range of motion; 0 for none. "
+        0.0,
+        "Amplitude of the added chirp [rad], less than half the range of motion; 0 for none. "
         "Without a device it goes on to the last sample and stops there; a motion that is "
-        "filtered for a device ends at rest.", least=0.0, most=3.0, metavar="A",
-        label=N_("Chirp amplitude [rad]"), help="Of the added chirp, in rad or as 3deg.",
-    )  # fmt: skip
+        "filtered for a device ends at rest.",
+        least=0.0,
+        most=3.0,
+        metavar="A",
+        label=N_("Chirp amplitude [rad]"),
+        help="Of the added chirp, in rad or as 3deg.",
+    )
     chirp_rate: float = setting(
-        CHIRP_RATE, "Rise of the chirp's frequency [Hz/s]; irrelevant at amplitude 0. The thesis's "
-        "factors are converted by `surae.protocol.chirp_rate`.", least=0.0, most=100.0, metavar="R",
-        label=N_("Chirp rate [Hz/s]"), help="Rise of its frequency, in Hz/s.",
-    )  # fmt: skip
+        CHIRP_RATE,
+        "Rise of the chirp's frequency [Hz/s]; irrelevant at amplitude 0. The thesis's "
+        "factors are converted by `surae.protocol.chirp_rate`.",
+        least=0.0,
+        most=100.0,
+        metavar="R",
+        label=N_("Chirp rate [Hz/s]"),
+        help="Rise of its frequency, in Hz/s.",
+    )
     angle_range: tuple[float, float] = setting(
-        (-0.9, 0.6), "The subject's angles of full plantarflexion and full dorsiflexion [rad], "
-        "within the device's.", option="range", metavar="LOW:HIGH",
+        (-0.9, 0.6),
+        "The subject's angles of full plantarflexion and full dorsiflexion [rad], "
+        "within the device's.",
+        option="range",
+        metavar="LOW:HIGH",
         help="Full plantarflexion and dorsiflexion of the subject, in rad or as 20deg.  "
         "[default: -0.9:0.6, as far as the device]",
-    )  # fmt: skip
+    )
     duration: float | None = setting(
-        None, "None for the profile's own; another value plays the profile slower or faster, while "
-        "the chirp and the task keep their own time [s].", above=0.0, most=600.0, metavar="S",
-        label=N_("Duration [s]"), help="In s.  [default: the profile's own]",
-    )  # fmt: skip
+        None,
+        "None for the profile's own; another value plays the profile slower or faster, while "
+        "the chirp and the task keep their own time [s].",
+        above=0.0,
+        most=600.0,
+        metavar="S",
+        label=N_("Duration [s]"),
+        help="In s.  [default: the profile's own]",
+    )
     rate_hz: float = setting(
-        256.0, "Sampling rate [Hz].", above=0.0, most=2048.0, option="rate", metavar="HZ",
-        label=N_("Rate [Hz]"), help="Samples per second.",
-    )  # fmt: skip
+        256.0,
+        "Sampling rate [Hz].",
+        above=0.0,
+        most=2048.0,
+        option="rate",
+        metavar="HZ",
+        label=N_("Rate [Hz]"),
+        help="Samples per second.",
+    )
     adapt: bool = setting(
-        True, "Adapt a motion that the device cannot follow, instead of refusing it.",
-        option="no-adapt", help="Refuse what the device cannot follow instead.",
-    )  # fmt: skip
+        True,
+        "Adapt a motion that the device cannot follow, instead of refusing it.",
+        option="no-adapt",
+        help="Refuse what the device cannot follow instead.",
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -150,12 +217,16 @@ class ChangeSettings(Request):
     """What is compared of two sessions or legs; see `surae.change`."""
 
     angles: tuple[float, ...] | None = setting(
-        None, "Where torque and stiffness are compared [deg]; by default 0 and 10. Each adds "
-        "differences that are looked at, which asks more of all.", option="angle", metavar="DEG",
+        None,
+        "Where torque and stiffness are compared [deg]; by default 0 and 10. Each adds "
+        "differences that are looked at, which asks more of all.",
+        option="angle",
+        metavar="DEG",
         help="Where torque and stiffness are compared; may be repeated.  [default: 0, 10]",
-    )  # fmt: skip
+    )
     legs: bool = setting(
-        False, "Whether they are two legs of one person. What two sessions of a leg are wrong in "
+        False,
+        "Whether they are two legs of one person. What two sessions of a leg are wrong in "
         "alike cancels; of two legs it does not.",
         help="BEFORE and AFTER are two legs of one person.",
-    )  # fmt: skip
+    )

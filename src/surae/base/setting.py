@@ -81,7 +81,9 @@ class Request:
     def __post_init__(self) -> None:
         """Check each."""
         for each, record in settings_of(type(self)):
-            name, value, kind = each.name, getattr(self, each.name), kind_of(each)
+            name = each.name
+            value = getattr(self, each.name)
+            kind = kind_of(each)
             parts = parts_of(each.type)
             if value is None and NoneType in parts:
                 continue
@@ -95,8 +97,11 @@ class Request:
                 raise InputError(f"{name} is {value!r}; give a mapping of names to values")
             elif kind in ("whole", "number"):
                 value = checked(name, value, record, whole=kind == "whole")
-            elif (record.choices and not (record.file and is_dataclass(value))
-                  and value not in record.choices):  # fmt: skip
+            elif (
+                record.choices
+                and not (record.file and is_dataclass(value))
+                and value not in record.choices
+            ):
                 known = ", ".join(record.choices) + ", or a file's path" * record.file
                 known += ", or a mapping" * any(get_origin(part) is Mapping for part in parts)
                 near = nearest(str(value), record.choices)
@@ -133,7 +138,8 @@ def _described(kind: Any, *, keywords: bool = False, without: Collection[str] = 
     """The settings of a request as a numpydoc section has them; of keywords with their defaults."""
     from textwrap import wrap
 
-    lines, inner = list[str](), " " * 8
+    lines = list[str]()
+    inner = " " * 8
     for each, record in settings_of(kind):
         if each.name not in without:
             lines.append(f"    {each.name} : {_type(each, record, keywords)}")

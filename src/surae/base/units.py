@@ -21,9 +21,14 @@ ComplexArray = npt.NDArray[np.complex128]
 
 #: SI unit of each kind of signal, as written in files and figures.
 SI = {
-    "angle": "rad", "torque": "Nm", "emg": "V", "angular_velocity": "rad/s",
-    "angular_acceleration": "rad/s2", "length": "m", "time": "s",
-}  # fmt: skip
+    "angle": "rad",
+    "torque": "Nm",
+    "emg": "V",
+    "angular_velocity": "rad/s",
+    "angular_acceleration": "rad/s2",
+    "length": "m",
+    "time": "s",
+}
 
 #: Factor from a unit to the SI unit of its kind. "1" is an EMG envelope normalised by its user.
 FACTORS: dict[str, dict[str, float]] = {
@@ -45,7 +50,8 @@ _SPELLINGS, _KINDS_ALONE = (
 #: Kind of signal by the first word of roles that have a second.
 _KINDS = {"emg": "emg", "fascicle": "length", "pennation": "angle", "second": "angle"}
 #: What may stand between the parts of a unit, and what makes them others.
-_JOINED, _BETWEEN = re.compile(r"[\s.·⋅*×_-]"), re.compile(r"\s*[\s.·⋅*×_-]\s*")
+_JOINED = re.compile(r"[\s.·⋅*×_-]")
+_BETWEEN = re.compile(r"\s*[\s.·⋅*×_-]\s*")
 _PER_KG = re.compile(r"(.+?)\s*(?:/\s*kg|per kg|[ .·*]?kg\s*(?:\^?-1|⁻¹))(?: ?bm| ?bw)?")
 _PERCENT = re.compile(r"(?:%|percent|per cent)[\s_]*(?:of )?(?:mvi?c|max(?:imum)?)?|mvi?c ?%")
 #: What pint is asked: words of systems that laboratories use, and no numbers.
@@ -56,15 +62,16 @@ _READABLE = re.compile(
     r"microsecond|s)s?(?:[\s.·⋅*×_/-]+|$))+"
 )
 #: What is written as one word, and what pint calls otherwise.
-_ONE_WORD, _REVOLUTION = (
-    re.compile(r"^(ft|in|k?N)(lbf?|c?m)s?$", re.I),
-    re.compile(r"^revs?$", re.I),
-)
+_ONE_WORD = re.compile(r"^(ft|in|k?N)(lbf?|c?m)s?$", re.I)
+_REVOLUTION = re.compile(r"^revs?$", re.I)
 _LONGEST = 30
 _PINT = {
-    "newton * meter": "torque", "kilogram * meter": "torque", "volt": "emg", "meter": "length",
+    "newton * meter": "torque",
+    "kilogram * meter": "torque",
+    "volt": "emg",
+    "meter": "length",
     "second": "time",
-}  # fmt: skip
+}
 _KNOWN = {unit.casefold(): unit for units in FACTORS.values() for unit in units}
 
 
@@ -118,8 +125,13 @@ def _by_pint(text: str) -> Stated | None:
     for spelling in (text, text.lower()):
         try:
             one: Any = registry.parse_expression(_BETWEEN.sub("*", spelling))
-            for factor, unit in ((1.0, "newton * meter"), (9.80665, "kilogram * meter"),
-                                 (1.0, "volt"), (1.0, "meter"), (1.0, "second")):  # fmt: skip
+            for factor, unit in (
+                (1.0, "newton * meter"),
+                (9.80665, "kilogram * meter"),
+                (1.0, "volt"),
+                (1.0, "meter"),
+                (1.0, "second"),
+            ):
                 if one.is_compatible_with(unit):
                     sort = _PINT[unit]
                     return Stated(sort, SI[sort], float(one.to(unit).magnitude) * factor)

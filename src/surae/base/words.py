@@ -31,7 +31,9 @@ class Message(str):
         """Fill in a sentence, whose words of the ankle are `worded` as the joint's before."""
         text = worded(english().get(code, code))
         made = super().__new__(cls, Values().vformat(text, (), values) if values else text)
-        made.code, made.values, made.worded = code, values, worded
+        made.code = code
+        made.values = values
+        made.worded = worded
         return made
 
     def __getnewargs_ex__(self) -> tuple[tuple[Any, ...], dict[str, Any]]:
@@ -42,10 +44,12 @@ class Message(str):
         """The values as texts and messages, as pages fill them in."""
         sentence = english().get(self.code, self.code)
         return {
-            name: self.values[name].parts() if isinstance(self.values[name], Message) else
-            Values().format_field(self.values[name], form or "")
-            for _, name, form, _ in Formatter().parse(sentence) if name
-        }  # fmt: skip
+            name: self.values[name].parts()
+            if isinstance(self.values[name], Message)
+            else Values().format_field(self.values[name], form or "")
+            for _, name, form, _ in Formatter().parse(sentence)
+            if name
+        }
 
     def parts(self) -> dict[str, Any]:
         """What pages make it of, in the reader's language."""

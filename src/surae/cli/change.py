@@ -16,16 +16,26 @@ from surae.cli.screen import show_answer, show_files
 @click.command("change")
 @click.argument("before", metavar="BEFORE")
 @click.argument("after", metavar="AFTER")
-@click.option("--baseline", "baselines", multiple=True, metavar="FIT.json|DIR",
-              help="A further session before anything changed; may be repeated.")  # fmt: skip
+@click.option(
+    "--baseline",
+    "baselines",
+    multiple=True,
+    metavar="FIT.json|DIR",
+    help="A further session before anything changed; may be repeated.",
+)
 @settings_options(ChangeSettings)
 @click.option("--output", metavar="C.json", help="Write the comparison.")
 @click.option("--report", metavar="C.html", help="Write a page of it: HTML or PDF.")
 @LANGUAGE
 def command(
-    before: str, after: str, baselines: tuple[str, ...], output: str | None, report: str | None,
-    language: str, options: dict[str, Any],
-) -> None:  # fmt: skip
+    before: str,
+    after: str,
+    baselines: tuple[str, ...],
+    output: str | None,
+    report: str | None,
+    language: str,
+    options: dict[str, Any],
+) -> None:
     """Compare a leg between two sessions, or the two legs of a person.
 
     BEFORE and AFTER are files of fits or folders of sessions, or files of surae impedance or surae
@@ -55,8 +65,11 @@ def command(
     if report is not None:
         angles = options.get("angles", ())
         api.write_change_page(
-            report, change, [api.fit_of(before), api.fit_of(after)],
-            baselines=[api.fit_of(each) for each in baselines], language=language,
+            report,
+            change,
+            [api.fit_of(before), api.fit_of(after)],
+            baselines=[api.fit_of(each) for each in baselines],
+            language=language,
             angle=angles[0] if len(angles) == 1 else None,
-        )  # fmt: skip
+        )
     show_files({"change": output, "report": report})

@@ -26,10 +26,16 @@ from surae.cli.screen import show_answer, show_line
 @click.option("--commanded", metavar="P.csv", help="What the device was to follow.")
 @click.option("--joint", metavar="JOINT.toml", help="Another joint than the ankle: see `fit`.")
 def command(
-    recordings: tuple[str, ...], mapping: str | None, as_json: bool, strict: bool, prepared: bool,
-    commanded: str | None, joint: str | None, corrections: dict[str, Any],
+    recordings: tuple[str, ...],
+    mapping: str | None,
+    as_json: bool,
+    strict: bool,
+    prepared: bool,
+    commanded: str | None,
+    joint: str | None,
+    corrections: dict[str, Any],
     exclude: tuple[tuple[float, float, float], ...],
-) -> int:  # fmt: skip
+) -> int:
     """Look for faults in recordings before they are fitted.
 
     Every finding has a code, a severity (info, warning, error), a span of time, and says what to

@@ -22,8 +22,12 @@ _SUFFIXES = (".h5", ".hdf5", ".csv")
 @click.argument("output", metavar="OUT")
 @MAPPING
 @corrections
-@click.option("--prepare", "prepared", is_flag=True,
-              help="Filter and resample as a fit does: one time axis for all.")  # fmt: skip
+@click.option(
+    "--prepare",
+    "prepared",
+    is_flag=True,
+    help="Filter and resample as a fit does: one time axis for all.",
+)
 def command(
     recording: str, output: str, mapping: str | None, prepared: bool, corrections: dict[str, Any]
 ) -> None:

@@ -16,10 +16,17 @@ from surae.cli.screen import show_answer, show_files
 
 
 @click.command("design")
-@click.option("--fit", "fitted", metavar="FIT.json|DIR",
-              help="For one leg, as far as a fit or a session knows it.")  # fmt: skip
-@click.option("--after", metavar="FIT.json|DIR",
-              help="Likewise, and what is known counts: the trial that adds most.")  # fmt: skip
+@click.option(
+    "--fit",
+    "fitted",
+    metavar="FIT.json|DIR",
+    help="For one leg, as far as a fit or a session knows it.",
+)
+@click.option(
+    "--after",
+    metavar="FIT.json|DIR",
+    help="Likewise, and what is known counts: the trial that adds most.",
+)
 @device_options
 @settings_options(DesignSettings, api.ModelOptions)
 @click.option(
@@ -39,17 +46,29 @@ from surae.cli.screen import show_answer, show_files
 @click.option("--target", metavar="T.csv", help="Where the target for the subject's screen goes.")
 @click.option("--figure", type=PICTURE, metavar="P.svg|pdf|png", help="Draw it.")
 def command(
-    fitted: str | None, after: str | None, device: str, without_limits: str | None, output: str,
-    target: str | None, figure: str | None, session: bool, minutes: float | None,
+    fitted: str | None,
+    after: str | None,
+    device: str,
+    without_limits: str | None,
+    output: str,
+    target: str | None,
+    figure: str | None,
+    session: bool,
+    minutes: float | None,
     options: dict[str, Any],
-) -> None:  # fmt: skip
+) -> None:
     """Design the most informative protocol within a device's limits: movement and effort.
 
     The same options find the same protocol. Ctrl-C keeps the best so far.
     """
     if session:
-        _plan(fitted or after or target or figure, device_of(device, without_limits), minutes,
-              output, options)  # fmt: skip
+        _plan(
+            fitted or after or target or figure,
+            device_of(device, without_limits),
+            minutes,
+            output,
+            options,
+        )
         return
     if minutes is not None:
         raise InputError("--minutes has no effect without --session")
@@ -84,9 +103,12 @@ def command(
 
 
 def _plan(
-    other: str | None, device: str | None, minutes: float | None, output: str,
+    other: str | None,
+    device: str | None,
+    minutes: float | None,
+    output: str,
     options: dict[str, Any],
-) -> None:  # fmt: skip
+) -> None:
     """Plan a session."""
     file_kind("--output", output, ".json")
     taken = {"population", "angle_range", "effort", "noise"}

@@ -16,11 +16,16 @@ from surae.cli.screen import show_answer, show_files
 
 
 @click.command("expect")
-@click.argument("protocol", metavar="P.csv|NAME",
-                shell_complete=completing(*PROFILES, *DESIGNED, *TELLING))  # fmt: skip
-@click.option("--fit", "fitted", metavar="FIT.json",
-              help="Of one leg instead, as far as this fit knows it; model and noise are "
-              "its. Of perturbations, the I.json of surae impedance.")  # fmt: skip
+@click.argument(
+    "protocol", metavar="P.csv|NAME", shell_complete=completing(*PROFILES, *DESIGNED, *TELLING)
+)
+@click.option(
+    "--fit",
+    "fitted",
+    metavar="FIT.json",
+    help="Of one leg instead, as far as this fit knows it; model and noise are "
+    "its. Of perturbations, the I.json of surae impedance.",
+)
 @settings_options(ExpectSettings, api.ModelOptions)
 @click.option("--output", metavar="E.json", help="Write what is expected.")
 def command(protocol: str, fitted: str | None, output: str | None, options: dict[str, Any]) -> None:

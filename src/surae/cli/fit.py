@@ -20,21 +20,37 @@ from surae.cli.screen import show_files, show_fit
 @MAPPING
 @corrections
 @settings_options(api.FitSettings, api.ModelOptions)
-@click.option("--mvc", multiple=True, metavar="FILE",
-              help="A maximum voluntary contraction; may be given several times.")  # fmt: skip
+@click.option(
+    "--mvc",
+    multiple=True,
+    metavar="FILE",
+    help="A maximum voluntary contraction; may be given several times.",
+)
 @click.option(
     "--strict", is_flag=True, help="Refuse recordings in which `surae check` finds errors."
 )
 @click.option("--output", metavar="FIT.json", help="Write the fit.")
 @click.option("--report", metavar="REPORT.html", help="Write the report; .pdf makes a PDF.")
 @click.option("--figure", type=PICTURE, metavar="F.svg|pdf|png", help="Draw it for a paper.")
-@click.option("--width", type=click.FloatRange(40.0, 500.0), default=170.0, metavar="MM",
-              help="Width of the figure.  [default: 170]")  # fmt: skip
+@click.option(
+    "--width",
+    type=click.FloatRange(40.0, 500.0),
+    default=170.0,
+    metavar="MM",
+    help="Width of the figure.  [default: 170]",
+)
 def command(
-    recordings: tuple[str, ...], mapping: str | None, options: dict[str, Any], mvc: tuple[str, ...],
-    strict: bool, output: str | None, report: str | None, figure: str | None, width: float,
+    recordings: tuple[str, ...],
+    mapping: str | None,
+    options: dict[str, Any],
+    mvc: tuple[str, ...],
+    strict: bool,
+    output: str | None,
+    report: str | None,
+    figure: str | None,
+    width: float,
     corrections: dict[str, Any],
-) -> None:  # fmt: skip
+) -> None:
     """Estimate a model's parameters from one recording, or jointly from several.
 
     REC is a CSV with named channels, a TOML that maps the channels of other files, or with

@@ -11,9 +11,14 @@ from surae.cli.screen import show_answer, show_files, show_line
 
 @click.command("measures")
 @click.argument("fitted", metavar="FIT.json|DIR")
-@click.option("--angle", "angles", type=NUMBER, multiple=True, metavar="DEG",
-              help="Where torque and stiffness are given; may be repeated.  "
-              "[default: −10, 0, 10]")  # fmt: skip
+@click.option(
+    "--angle",
+    "angles",
+    type=NUMBER,
+    multiple=True,
+    metavar="DEG",
+    help="Where torque and stiffness are given; may be repeated.  [default: −10, 0, 10]",
+)
 @click.option("--norms", metavar="N.toml", help="Your own norms in place of published ones.")
 @click.option("--output", metavar="M.json|csv", help="Write the measures.")
 def command(fitted: str, angles: tuple[float, ...], norms: str | None, output: str | None) -> None:

@@ -31,7 +31,8 @@ class Typed(click.ParamType):  # type: ignore[type-arg]
     name = "value"
 
     def __init__(self, read: Callable[..., Any], *how: Any) -> None:
-        self._read, self._how = read, how
+        self._read = read
+        self._how = how
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """What the text stands for; a default is that already."""
@@ -86,7 +87,8 @@ def bare_name(where: str, text: str) -> str:
 def choice_or_file(where: str, text: str, choices: tuple[str, ...]) -> str:
     """One of several words, or the path of a file that exists."""
     if text not in choices and not Path(text).is_file():
-        words, option = " or ".join(choices), where.partition(" ")[0]
+        words = " or ".join(choices)
+        option = where.partition(" ")[0]
         raise InputError(f"{option}: {text!r} is no file; give one, or {words}")
     return text
 
@@ -97,8 +99,10 @@ def span(where: str, text: str) -> tuple[float, float, float]:
     if not colon or ":" in last or not (first or last):
         raise InputError(f"{where}: write start:end in s, e.g. --exclude 3:4.5")
     return (
-        number(where, first) if first else -math.inf, number(where, last) if last else math.inf, 0.0
-    )  # fmt: skip
+        number(where, first) if first else -math.inf,
+        number(where, last) if last else math.inf,
+        0.0,
+    )
 
 
 def weighted_span(where: str, text: str) -> tuple[float, float, float]:
@@ -171,18 +175,33 @@ def table(_: click.Context, param: click.Parameter, entries: Any) -> dict[str, A
     return values
 
 
-EXCLUDE = click.option("--exclude", type=Typed(span), multiple=True, metavar="START:END",
-                       help="Seconds to leave out; either end may be left open.")  # fmt: skip
+EXCLUDE = click.option(
+    "--exclude",
+    type=Typed(span),
+    multiple=True,
+    metavar="START:END",
+    help="Seconds to leave out; either end may be left open.",
+)
 #: What `weights` is made of.
 _WEIGHTS = (
     EXCLUDE,
-    click.option("--weight", type=Typed(weighted_span), multiple=True, metavar="START:END:W",
-                 help="Seconds whose samples count W times."),
-    click.option("--weight-peaks", type=NUMBER, metavar="P",
-                 help="A sample at a peak counts 1 + P times as much as one at rest."),
-    click.option("--peaks-of", type=click.Choice(names.ACTIVITIES),
-                 help="Peaks of what.  [default: torque]"),
-)  # fmt: skip
+    click.option(
+        "--weight",
+        type=Typed(weighted_span),
+        multiple=True,
+        metavar="START:END:W",
+        help="Seconds whose samples count W times.",
+    ),
+    click.option(
+        "--weight-peaks",
+        type=NUMBER,
+        metavar="P",
+        help="A sample at a peak counts 1 + P times as much as one at rest.",
+    ),
+    click.option(
+        "--peaks-of", type=click.Choice(names.ACTIVITIES), help="Peaks of what.  [default: torque]"
+    ),
+)
 
 
 def options_of(request: Any, *without: str) -> list[Callable[[Any], Any]]:
@@ -236,10 +255,15 @@ def _option(each: "Field[Any]", record: Setting) -> dict[str, Any]:
     return how
 
 
-LANGUAGE = click.option("--language", type=click.Choice(names.LANGUAGES), default="en",
-                        help="Of the leg's page.  [default: en]")  # fmt: skip
-MAPPING = click.option("--mapping", metavar="MAP.toml",
-                       help="Read the files as this mapping says, of all of them.")  # fmt: skip
+LANGUAGE = click.option(
+    "--language",
+    type=click.Choice(names.LANGUAGES),
+    default="en",
+    help="Of the leg's page.  [default: en]",
+)
+MAPPING = click.option(
+    "--mapping", metavar="MAP.toml", help="Read the files as this mapping says, of all of them."
+)
 
 
 def muscles(where: str, text: str) -> tuple[str, str]:
@@ -273,21 +297,34 @@ def _gathered(options: list[Callable[[Any], Any]], keyword: str) -> Callable[[F]
 def _correction(name: str, example: str, help: str) -> Callable[[Any], Any]:
     """An option that puts signals right by one number each."""
     kind = Typed(entry, "value", example)
-    return click.option(f"--{name}", type=kind, multiple=True, callback=table,
-                        metavar="SIGNAL=VALUE", help=help)  # fmt: skip
+    return click.option(
+        f"--{name}", type=kind, multiple=True, callback=table, metavar="SIGNAL=VALUE", help=help
+    )
 
 
 #: The options that put signals right, in the order in which they are done.
-corrections = _gathered([
-    _correction("wrap", "angle=360",
-                "By how much a signal jumps at the end of its range, in its unit."),
-    _correction("scale", "torque=72",
-                "What a signal is multiplied by, as by the body mass [kg] for Nm/kg."),
-    _correction("offset", "angle=-90", "What is added then, in the file's unit."),
-    _correction("sign", "angle=-1", "-1 turns a signal round, last of all."),
-    click.option("--swap", type=Typed(muscles), multiple=True, metavar="A:B",
-                 help="Muscles whose electrodes were exchanged, as ta:sol."),
-], "corrections")  # fmt: skip
+corrections = _gathered(
+    [
+        _correction(
+            "wrap", "angle=360", "By how much a signal jumps at the end of its range, in its unit."
+        ),
+        _correction(
+            "scale",
+            "torque=72",
+            "What a signal is multiplied by, as by the body mass [kg] for Nm/kg.",
+        ),
+        _correction("offset", "angle=-90", "What is added then, in the file's unit."),
+        _correction("sign", "angle=-1", "-1 turns a signal round, last of all."),
+        click.option(
+            "--swap",
+            type=Typed(muscles),
+            multiple=True,
+            metavar="A:B",
+            help="Muscles whose electrodes were exchanged, as ta:sol.",
+        ),
+    ],
+    "corrections",
+)
 
 
 def workers_option(what: str, *, many: str = "all processors") -> Callable[[F], F]:
@@ -298,7 +335,8 @@ def workers_option(what: str, *, many: str = "all processors") -> Callable[[F], 
 
 def settings_options(*requests: Any) -> Callable[[F], F]:
     """Add options of all settings of requests; those that are used arrive as `options`."""
-    options, seen = list[Callable[[Any], Any]](), list[str]()
+    options = list[Callable[[Any], Any]]()
+    seen = list[str]()
     for request in requests:
         options += options_of(request, *seen)
         seen += [each.name for each, _ in settings_of(request)]
@@ -309,7 +347,8 @@ def request(options: Mapping[str, Any]) -> "api.FitSettings":
     """The settings of a fit, as `surae.fit` takes them, from the `options` of a command."""
     keywords = dict(options)
     windows = (*keywords.pop("exclude", ()), *keywords.pop("weight", ()))
-    peaks, kind = keywords.pop("weight_peaks", None), keywords.pop("peaks_of", None)
+    peaks = keywords.pop("weight_peaks", None)
+    kind = keywords.pop("peaks_of", None)
     if kind is not None and peaks is None:
         raise InputError("--peaks-of has no effect without --weight-peaks; give one")
     if windows or peaks is not None:

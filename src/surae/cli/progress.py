@@ -26,8 +26,11 @@ class Work:
     """Shows how far a piece of work is; nothing where there is no terminal."""
 
     def __init__(self, bar: "Progress | None" = None, task: "TaskID | None" = None) -> None:
-        self._bar, self._task = bar, task
-        self._first, self._begun, self._named = 0, 0.0, ""
+        self._bar = bar
+        self._task = task
+        self._first = 0
+        self._begun = 0.0
+        self._named = ""
 
     def describe(self, what: str, done: int | None = None, total: int | None = None) -> None:
         """Say what is being done, and with `done` and `total` how far it is."""
@@ -70,8 +73,9 @@ def work() -> Iterator[Work]:
         progress.TextColumn("left"),
         progress.TimeRemainingColumn(),
     )
-    with progress.Progress(*columns, console=Console(stderr=True), transient=True,
-                           speed_estimate_period=600.0) as bar:  # fmt: skip
+    with progress.Progress(
+        *columns, console=Console(stderr=True), transient=True, speed_estimate_period=600.0
+    ) as bar:
         yield Work(bar, bar.add_task("", total=None))
 
 

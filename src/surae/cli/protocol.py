@@ -23,12 +23,17 @@ Command = Callable[..., Any]
 
 def device_options(function: Command) -> Command:
     """Add --device and --without-limits, which `device_of` reads."""
-    device = click.option("--device", default="achilles", show_default=True,
-                          metavar="NAME|FILE.toml|none",
-                          shell_complete=completing(*DEVICES, "none"),
-                          help=f"Whose limits hold: {', '.join(DEVICES)}, or yours.")  # fmt: skip
-    reason = click.option("--without-limits", metavar="REASON",
-                          help="Why a protocol may be written for no device.")  # fmt: skip
+    device = click.option(
+        "--device",
+        default="achilles",
+        show_default=True,
+        metavar="NAME|FILE.toml|none",
+        shell_complete=completing(*DEVICES, "none"),
+        help=f"Whose limits hold: {', '.join(DEVICES)}, or yours.",
+    )
+    reason = click.option(
+        "--without-limits", metavar="REASON", help="Why a protocol may be written for no device."
+    )
     return device(reason(function))
 
 
@@ -46,15 +51,24 @@ def device_options(function: Command) -> Command:
 )
 @click.argument("name", metavar="NAME", shell_complete=completing(*PROFILES, *DESIGNED))
 @settings_options(MotionSettings)
-@click.option("--chirp-factor", type=NUMBER, metavar="S",
-              help="Instead of --chirp-rate, the thesis's s of A·sin(s·t²): S/π Hz/s.")  # fmt: skip
+@click.option(
+    "--chirp-factor",
+    type=NUMBER,
+    metavar="S",
+    help="Instead of --chirp-rate, the thesis's s of A·sin(s·t²): S/π Hz/s.",
+)
 @device_options
 @click.option("--output", required=True, metavar="P.csv|P.mat", help="Where the protocol goes.")
 @click.option("--figure", type=PICTURE, metavar="P.svg|pdf|png", help="Draw it.")
 def command(
-    name: str, chirp_factor: float | None, device: str, without_limits: str | None, output: str,
-    figure: str | None, options: dict[str, Any],
-) -> None:  # fmt: skip
+    name: str,
+    chirp_factor: float | None,
+    device: str,
+    without_limits: str | None,
+    output: str,
+    figure: str | None,
+    options: dict[str, Any],
+) -> None:
     """Make a measurement protocol."""
     own = sorted(
         f"--{flag_of(each, record)}"
@@ -66,7 +80,8 @@ def command(
         if "chirp_rate" in options:
             raise InputError("--chirp-rate and --chirp-factor say the same; give one of them")
         options["chirp_rate"] = api.chirp_rate(chirp_factor)
-    limiting, no_adapt = device_of(device, without_limits), "adapt" in options
+    limiting = device_of(device, without_limits)
+    no_adapt = "adapt" in options
     if no_adapt and limiting is None:
         raise InputError("--no-adapt has no effect without the limits of a device")
     file_kind("--output", output, ".csv", ".mat")
@@ -144,12 +159,14 @@ def _table(
     """What the protocol asks for, in a few lines."""
     adaptation = trajectory.adaptation
     low, high = settings.angle_range
-    least, most = float(trajectory.angle.min()), float(trajectory.angle.max())
+    least = float(trajectory.angle.min())
+    most = float(trajectory.angle.max())
     velocity, acceleration = api.peaks(
         (trajectory.angle, trajectory.velocity, trajectory.acceleration)
     )
     if adaptation is not None:
-        velocity, acceleration = adaptation.peak_velocity[1], adaptation.peak_acceleration[1]
+        velocity = adaptation.peak_velocity[1]
+        acceleration = adaptation.peak_acceleration[1]
     amplitude = settings.chirp_amplitude if adaptation is None else adaptation.chirp_amplitude[1]
     chirp = f"{amplitude:.3g} rad, 0 to {settings.chirp_rate * settings.seconds:.3g} Hz"
     rows = {

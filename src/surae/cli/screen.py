@@ -21,7 +21,8 @@ _WIDTH = 132
 #: Width from which meanings of parameters have room.
 _WIDE = 130
 #: Least width of a folded sentence, and a width that no table has.
-_SENTENCE, _ANY = 24, 10_000
+_SENTENCE = 24
+_ANY = 10_000
 
 
 def show_fit(fit: "api.Fit") -> None:
@@ -77,17 +78,22 @@ def show_table(
 
     if not rows:
         return
-    out, table = _console(), Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
+    out = _console()
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
     for heading, *cells in zip(headings, *rows, strict=True):
-        longest, head = max(map(cell_len, (heading, *cells))), Text(heading)
+        longest = max(map(cell_len, (heading, *cells)))
+        head = Text(heading)
         if heading in numbers:
             table.add_column(head, justify="right", no_wrap=True, min_width=longest)
         else:  # a path has no space to be folded at
             table.add_column(head, overflow="fold", min_width=min(longest, _SENTENCE))
     for row in rows:  # texts as they are: "Moment [Nm]" is no markup
-        table.add_row(*(
-            Text(cell, _STYLES[JUDGEMENTS[cell].role] if cell in JUDGEMENTS else "") for cell in row
-        ))  # fmt: skip
+        table.add_row(
+            *(
+                Text(cell, _STYLES[JUDGEMENTS[cell].role] if cell in JUDGEMENTS else "")
+                for cell in row
+            )
+        )
     roomy = out.options.update(max_width=_ANY)
     out.width = max(out.width, Measurement.get(out, roomy, table).minimum)
     with out.capture() as captured:

@@ -32,10 +32,16 @@ from surae.cli.screen import show_files, show_line, show_table
 @click.option("--before", metavar="DIR", help="Results of an earlier visit, to show what changed.")
 @workers_option("Fits")
 def command(
-    recordings: tuple[str, ...], mapping: str | None, options: dict[str, Any], output: str,
-    report: str | None, language: str, before: str | None, workers: int | None,
+    recordings: tuple[str, ...],
+    mapping: str | None,
+    options: dict[str, Any],
+    output: str,
+    report: str | None,
+    language: str,
+    before: str | None,
+    workers: int | None,
     corrections: dict[str, Any],
-) -> None:  # fmt: skip
+) -> None:
     """Fit the trials of one leg: each, all together, and each predicted by the others.
 
     FILES are data files or a folder of them; --mapping says which column is which signal, for all.

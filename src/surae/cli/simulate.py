@@ -17,11 +17,18 @@ from surae.cli.screen import show_line
 
 @click.command("simulate")
 @click.argument("recording", metavar="IN.csv")
-@click.option("--model", type=OneOf(names.MODELS), metavar="M",
-              help=f"{listed(names.MODELS, 'or')}.  [default: that of FIT.json, else "
-              "muscle]")  # fmt: skip
-@click.option("--parameters", required=True, metavar="P.json",
-              help='{"parameters": {"m": 2.0, …}} or a FIT.json.')  # fmt: skip
+@click.option(
+    "--model",
+    type=OneOf(names.MODELS),
+    metavar="M",
+    help=f"{listed(names.MODELS, 'or')}.  [default: that of FIT.json, else muscle]",
+)
+@click.option(
+    "--parameters",
+    required=True,
+    metavar="P.json",
+    help='{"parameters": {"m": 2.0, …}} or a FIT.json.',
+)
 @click.option("--output", required=True, metavar="OUT.csv", help="Where the torque goes.")
 @settings_options(api.ModelOptions)
 def command(

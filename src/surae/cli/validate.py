@@ -18,16 +18,24 @@ from surae.cli.screen import show_files, show_line, show_predictions
 @click.argument("recordings", metavar="REC…", nargs=-1, required=True)
 @MAPPING
 @corrections
-@click.option("--prepared/--unprepared", default=None,
-              help="Signals as they are, or filtered; by default as in the fit.")  # fmt: skip
+@click.option(
+    "--prepared/--unprepared",
+    default=None,
+    help="Signals as they are, or filtered; by default as in the fit.",
+)
 @EXCLUDE
 @click.option("--output", metavar="V.json", help="Write the figures.")
 @click.option("--report", metavar="V.html", help="Write the fit's report with the predictions.")
 def command(
-    fitted: str, recordings: tuple[str, ...], mapping: str | None, prepared: bool | None,
-    exclude: tuple[tuple[float, float, float], ...], output: str | None, report: str | None,
+    fitted: str,
+    recordings: tuple[str, ...],
+    mapping: str | None,
+    prepared: bool | None,
+    exclude: tuple[tuple[float, float, float], ...],
+    output: str | None,
+    report: str | None,
     corrections: dict[str, Any],
-) -> None:  # fmt: skip
+) -> None:
     """Predict the torque of other recordings with the parameters of a fit."""
     api.check_report(report)
     measured = [api.read(path, mapping=mapping, **corrections) for path in recordings]

@@ -32,12 +32,16 @@ from surae.recording import MUSCLES
 from surae.signals import ModelInputs, steady_emg
 
 #: Centred R² [%] below which a model does not describe the torque, and from which on it does well.
-_NOT_FOLLOWED, _FOLLOWED = 80.0, 95.0
+_NOT_FOLLOWED = 80.0
+_FOLLOWED = 95.0
 #: Movement [rad] between the 1st and 99th percentile: below the first an ankle holds still.
-_STILL, _LITTLE = np.radians(4.0), np.radians(10.0)
+_STILL = np.radians(4.0)
+_LITTLE = np.radians(10.0)
 #: Part of the torque's variance [%] that a structured residual may have, and from which on it is
 #: too much; and from which part of the residual on it is called structured.
-_LEFT_OUT, _TOO_MUCH, _STRUCTURED = 0.5, 5.0, 0.3
+_LEFT_OUT = 0.5
+_TOO_MUCH = 5.0
+_STRUCTURED = 0.3
 #: What only movement tells: relaxation, and the foot's mass beside a sensor's zero.
 _OF_MOVEMENT = ("m", "tau_rel", "k_rel")
 #: Part of the free parameters that may lie at a bound before nothing else is believed either.
@@ -56,7 +60,8 @@ _BEYOND = 2.0
 _OFF_FILM = 2.5
 #: Least softening that matters, and its standard deviations from which it is no chance: set on
 #: four virtual legs that soften; of the other families of a fresh seed none came to both.
-_SOFTENS, _SURE = 0.06, 2.5
+_SOFTENS = 0.06
+_SURE = 2.5
 #: Size of what no model has of the muscles' force, as a part of it, from which on it speaks against
 #: the numbers: of 142 fits of virtual legs 136 have at most 0.019, six at least 0.035.
 _UNEXPRESSED = 0.03
@@ -90,7 +95,8 @@ class Adequacy:
 
 def judge_adequacy(result: FitResult, quality: Sequence[Quality] = ()) -> Adequacy:
     """Judge a whole fit, of recordings with what was found in them."""
-    inputs, residuals = result.problem.inputs, result.residuals
+    inputs = result.problem.inputs
+    residuals = result.residuals
     r2 = centred_r2(list(map(counted, inputs, residuals)))
     if result.status == "failed" or not np.isfinite(r2):
         return _graded([against("failed", grave=True)], r2)
@@ -216,7 +222,8 @@ def _stated(result: FitResult) -> Iterator[Reason]:
         yield against("said", text=doubt)
     for source, made in ({} if known is None else known.statements).items():
         if made.agrees is False:
-            label, texts = result.problem.options.anatomy.worded(LABELS[source]), made.texts
+            label = result.problem.options.anatomy.worded(LABELS[source])
+            texts = made.texts
             yield against("disagree", label=label, first=texts[0], second=texts[1])
     for group, probability in sorted(result.solution.contradicted.items()):
         label = result.problem.options.anatomy.worded(LABELS[group])
@@ -230,15 +237,18 @@ def _agreement(result: FitResult, r2: float) -> Iterator[Reason]:
     A hold's torque may hardly change: it is held against what the others leave too; in one that is
     strong the same share of the torque is more of it.
     """
-    inputs, residuals = result.problem.inputs, result.residuals
-    pairs, alone = list(map(counted, inputs, residuals)), result.solution.recordings
+    inputs = result.problem.inputs
+    residuals = result.residuals
+    pairs = list(map(counted, inputs, residuals))
+    alone = result.solution.recordings
     name, rare = farthest_apart(alone) if alone else ("", 1.0)
     if rare < SAID:
         yield against("not-one-leg", name=name)
     usual = float(np.median([np.sqrt(np.mean(e**2)) for _, e in pairs]))
     for recording, pair in zip(inputs, pairs, strict=True):
         own = centred_r2([pair])
-        name, grave = recording.name, own < _NOT_FOLLOWED
+        name = recording.name
+        grave = own < _NOT_FOLLOWED
         error = float(np.sqrt(np.mean(pair[1] ** 2)))
         if _range([recording]) < _STILL and len(inputs) > 1:
             if error > _LEAVES * usual and own < r2 - _CONTRADICTS:
@@ -268,9 +278,12 @@ def _unlike(result: FitResult, odd: Sequence[Reason]) -> Iterator[Reason]:
 
 
 def judge_prediction(
-    result: FitResult, known: Uncertainty, recording: ModelInputs, measured: FloatArray,
+    result: FitResult,
+    known: Uncertainty,
+    recording: ModelInputs,
+    measured: FloatArray,
     e: FloatArray,
-) -> Adequacy:  # fmt: skip
+) -> Adequacy:
     """Judge how a fit predicts a recording that it has not seen, against what it promises.
 
     The mean is judged apart from the changes, of which `r2` is: a sensor's zero is another in each
@@ -281,7 +294,8 @@ def judge_prediction(
     r2 = centred_r2([(measured, changes)])
     if not np.isfinite(r2):
         return _graded([against("unchanging", grave=True)], r2)
-    reasons, joint = list(_goodness(r2)), result.problem.options.anatomy
+    reasons = list(_goodness(r2))
+    joint = result.problem.options.anatomy
     if _range([recording]) < _STILL:
         reasons = [against("held-still", joint.worded)]
     promised = _promised(result, known, recording, float(np.std(measured)))

@@ -61,9 +61,13 @@ class RecordingQuality(Comparable):
 
 
 @filed(
-    "robust", "uncertainty", "differs", rmse="rmse_Nm", covariance="correlation",
+    "robust",
+    "uncertainty",
+    "differs",
+    rmse="rmse_Nm",
+    covariance="correlation",
     version="judged_by",
-)  # fmt: skip
+)
 @dataclass(frozen=True, slots=True, eq=False)
 class Assessment(Comparable):
     """What a fit is worth."""
@@ -140,7 +144,8 @@ def assess(
         )
         for recording, (torque, residual, weight) in zip(problem.inputs, pairs, strict=True)
     )
-    solution, laboratory = result.solution, result.solution.beliefs
+    solution = result.solution
+    laboratory = result.solution.beliefs
     of_leg = np.array([name not in laboratory for name in estimated.names], dtype=bool)
     leg = replace(
         estimated,
@@ -208,10 +213,16 @@ def _believed(
 
 
 def _parameters(
-    result: FitResult, estimated: Covariance, robust: RobustCovariance | None, known: Uncertainty,
-    interval: Interval, adequacy: Adequacy, against: Contradiction | None,
-) -> dict[str, ParameterEstimate]:  # fmt: skip
-    problem, withheld = result.problem, adequacy.grade is Grade.INADEQUATE
+    result: FitResult,
+    estimated: Covariance,
+    robust: RobustCovariance | None,
+    known: Uncertainty,
+    interval: Interval,
+    adequacy: Adequacy,
+    against: Contradiction | None,
+) -> dict[str, ParameterEstimate]:
+    problem = result.problem
+    withheld = adequacy.grade is Grade.INADEQUATE
     table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
     ends = zip(problem.lower.tolist(), problem.upper.tolist(), strict=True)
     bounds = dict(zip(problem.free, ends, strict=True))
@@ -221,12 +232,15 @@ def _parameters(
         value = result.values[name]
         lower, upper = bounds.get(name, (p.lower, p.upper))
         sem = sem_robust = ci95 = again = None
-        repeatable, budget = False, {}
+        repeatable = False
+        budget = {}
         if name not in problem.free:
-            verdict, note = Verdict.FIXED, Message("note/fixed")
+            verdict = Verdict.FIXED
+            note = Message("note/fixed")
         elif name in result.at_bound:
             side = "lower" if value - lower < upper - value else "upper"
-            verdict, note = Verdict.AT_BOUND, Message(f"note/at-bound/{side}")
+            verdict = Verdict.AT_BOUND
+            note = Message(f"note/at-bound/{side}")
         elif name in variances:
             sem = float(np.sqrt(variances[name]))
             if interval is Interval.MARGINAL:
@@ -235,27 +249,48 @@ def _parameters(
                 j = robust.names.index(name)
                 sem_robust = float(np.sqrt(robust.matrix[j, j]))
             whole, half = (known.half_width(known.along(name), biased=b) for b in (True, False))
-            again, budget = _possible(value, half, lower), {"noise": 1.0}
+            again = _possible(value, half, lower)
+            budget = {"noise": 1.0}
             repeatable = half <= IDENTIFIED * abs(value) and not withheld
             if whole > half:
                 noise = (half / whole) ** 2  # of a variance that a bias shares, whatever their size
-                budget, half = {"noise": noise, "model": 1.0 - noise}, whole
+                budget = {"noise": noise, "model": 1.0 - noise}
+                half = whole
             ci95 = _possible(value, half, lower)
             verdict, note = judge_interval(name, value, half, estimated, p.unit, withheld=withheld)
             if against is not None and repeatable and verdict is not Verdict.IDENTIFIED:
                 note = Message(
-                    "note/contradicted", problem.options.anatomy.worded,
-                    percent=percent(half / abs(value)), missing=", ".join(against.missing),
-                )  # fmt: skip
+                    "note/contradicted",
+                    problem.options.anatomy.worded,
+                    percent=percent(half / abs(value)),
+                    missing=", ".join(against.missing),
+                )
         elif not np.isfinite(estimated.sigma2):
-            verdict, note = Verdict.UNDETERMINED, Message("note/not-finite")
+            verdict = Verdict.UNDETERMINED
+            note = Message("note/not-finite")
         else:
-            verdict, note = Verdict.UNDETERMINED, judge_singular(name, estimated.directions)
+            verdict = Verdict.UNDETERMINED
+            note = judge_singular(name, estimated.directions)
         parameters[name] = ParameterEstimate(
-            name, p.unit, p.meaning, p.group, value, sem, sem_robust, ci95,
-            interval if ci95 else None, lower, upper, name in problem.free, name in result.at_bound,
-            verdict, note, again, repeatable, budget,
-        )  # fmt: skip
+            name,
+            p.unit,
+            p.meaning,
+            p.group,
+            value,
+            sem,
+            sem_robust,
+            ci95,
+            interval if ci95 else None,
+            lower,
+            upper,
+            name in problem.free,
+            name in result.at_bound,
+            verdict,
+            note,
+            again,
+            repeatable,
+            budget,
+        )
     return parameters
 
 

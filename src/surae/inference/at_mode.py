@@ -38,13 +38,20 @@ _ALIKE = 2.0
 
 
 def summed(
-    chosen: Chosen, family: Family, met: Sequence[tuple[float, Start]], stages: Sequence[Stage],
+    chosen: Chosen,
+    family: Family,
+    met: Sequence[tuple[float, Start]],
+    stages: Sequence[Stage],
     outcome: str,
-) -> FitResult:  # fmt: skip
+) -> FitResult:
     """The fit at a mode, and what makes it unsure."""
-    post, point, sets = chosen.posterior, chosen.mode, chosen.sets
-    original, inputs = family.original, family.inputs
-    blocks, V = point.blocks, post.covariance(point)
+    post = chosen.posterior
+    point = chosen.mode
+    sets = chosen.sets
+    original = family.original
+    inputs = family.inputs
+    blocks = point.blocks
+    V = post.covariance(point)
     shifts = laplace.shifts_by_source(post, blocks, V)
     departures = laplace.between_subsets(sets, chosen.names, post, V)
     beta = post.by_name(point.z).get("beta", 1.0)
@@ -109,22 +116,26 @@ def summed(
             softening=tuple(laplace.softened(post, point, V)),
             turned=FrozenDict(zip(problem.free, (change @ turned).tolist(), strict=True)),
         ),
-    )  # fmt: skip
+    )
 
 
 def _against(
     post: LogPosterior, point: Point, original: FitProblem
 ) -> tuple[dict[str, Conflict], FloatArray]:
     """How far what was stated is from what the torque says; −H⁻¹·∂²(−ln p)/∂z∂θ₀ by the zero θ₀."""
-    settings, groups = original.settings, original.settings.known
-    turned, wide = np.zeros(len(point.z)), laboratory(joint=original.options.anatomy)
+    settings = original.settings
+    groups = original.settings.known
+    turned = np.zeros(len(point.z))
+    wide = laboratory(joint=original.options.anatomy)
     if settings.zero_sd and ZERO_NAME not in post.names:
-        zero, sd = settings.fixed.get(ZERO_NAME, 0.0), float(np.radians(settings.zero_sd))
+        zero = settings.fixed.get(ZERO_NAME, 0.0)
+        sd = float(np.radians(settings.zero_sd))
         post, point = with_zero(post, point, Gaussian(zero, sd))
         wide[ZERO_NAME] = Gaussian(zero, FAR_ZERO)
         if settings.stated_zero is not None or settings.is_own:  # own lengths hang on it
             groups |= {ZERO_NAME}
-        V, at = post.covariance(point), post.of.index(ZERO_NAME)
+        V = post.covariance(point)
+        at = post.of.index(ZERO_NAME)
         turned = np.delete(V[:, at], at) / V[at, at]
     return conflicts(post.laplace(point), post.of, post.beliefs, wide, groups), turned
 
@@ -168,7 +179,8 @@ def _natural(post: LogPosterior, point: Point) -> FloatArray:
 def _message(sets: Sequence[Subset], bound: Sequence[str], finite: bool) -> Message:
     if not finite:
         return Message("ended/no-numbers")
-    chosen, likeliest = sets[0], max(sets, key=lambda own: own.weight)
+    chosen = sets[0]
+    likeliest = max(sets, key=lambda own: own.weight)
     which = "departures" if chosen.groups else "no-departure"
     text = Message(f"ended/{which}", groups=", ".join(chosen.groups))
     if chosen is not likeliest:

@@ -20,7 +20,8 @@ def band_products(columns: FloatArray, first: IntArray, band: FloatArray) -> Non
     for j in range(k):
         for d in range(min(band.shape[0], k - j)):
             shift = min(first[j + d] - first[j], size)
-            own, other = columns[j, shift:], columns[j + d]
+            own = columns[j, shift:]
+            other = columns[j + d]
             total = 0.0
             for t in range(len(own)):
                 total += own[t] * other[t]
@@ -39,12 +40,14 @@ def _fill(columns: FloatArray, first: IntArray, blocks: FloatArray) -> None:
 
 def border_products(columns: FloatArray, first: IntArray, rows: FloatArray) -> FloatArray:
     """Products of short columns, (k, l), with long ones, (n, p), shape (k, p)."""
-    out, starts = np.empty((len(first), rows.shape[1])), first[::_BLOCK]
+    out = np.empty((len(first), rows.shape[1]))
+    starts = first[::_BLOCK]
     wide = int((np.append(starts[1:], first[-1]) - starts).max()) + columns.shape[1]
     blocks = np.zeros((len(starts), _BLOCK, wide))
     _fill(columns, first, blocks)
     for i, (block, start) in enumerate(zip(blocks, starts.tolist(), strict=True)):
-        own, there = out[i * _BLOCK : (i + 1) * _BLOCK], rows[start : start + wide]
+        own = out[i * _BLOCK : (i + 1) * _BLOCK]
+        there = rows[start : start + wide]
         np.matmul(block[: len(own), : len(there)], there, out=own)
     return out
 
@@ -62,7 +65,8 @@ def solve_band_transposed(band: FloatArray, right: FloatArray) -> FloatArray:
     """X of Lᵀ·X = right, L a lower band by columns (k, b + 1), right (k, d)."""
     if right.shape[1] == 1:
         return np.asarray(dtbtrs(band.T, right, uplo="L", trans="T")[0])
-    turned, k = np.zeros_like(band), len(band)
+    turned = np.zeros_like(band)
+    k = len(band)
     for d in range(min(band.shape[1], k)):  # from its end on it is a lower band again
         turned[: k - d, d] = band[: k - d, d][::-1]
     return solve_band(turned, right[::-1].copy())[::-1].copy()
@@ -73,7 +77,8 @@ def _invert(band: FloatArray, blocks: FloatArray) -> None:
     """What the rows of each block are of those before and of their own right sides."""
     k, wide = band.shape
     for begin in range(0, k, _BLOCK):
-        end, start = min(begin + _BLOCK, k), max(begin - wide + 1, 0)
+        end = min(begin + _BLOCK, k)
+        start = max(begin - wide + 1, 0)
         block = blocks[begin // _BLOCK]
         for i in range(begin, end):
             own = block[i - begin]
@@ -90,10 +95,12 @@ def _invert(band: FloatArray, blocks: FloatArray) -> None:
 
 def solve_band(band: FloatArray, right: FloatArray) -> FloatArray:
     """X of L·X = right; LAPACK takes one column after the other, and thrice as long."""
-    (k, wide), x = band.shape, right.copy()
+    (k, wide) = band.shape
+    x = right.copy()
     blocks = np.zeros((-(-k // _BLOCK), _BLOCK, _BLOCK + wide - 1))
     _invert(band, blocks)
     for begin, block in zip(range(0, k, _BLOCK), blocks, strict=True):
-        end, start = min(begin + _BLOCK, k), max(begin - wide + 1, 0)
+        end = min(begin + _BLOCK, k)
+        start = max(begin - wide + 1, 0)
         x[begin:end] = block[: end - begin, : end - start] @ x[start:end]
     return x

@@ -33,7 +33,8 @@ _NO_PRIOR = 1e-3
 _PART_OF = {"length": "arm"}
 _SHAPES = ("arm_slope", "arm_bend", "path_bend")
 #: The zero of the angle, and how far it is off where nobody looked, twice as far as assumed [rad].
-ZERO_NAME, FAR_ZERO = "angle_zero", float(np.radians(5.0))
+ZERO_NAME = "angle_zero"
+FAR_ZERO = float(np.radians(5.0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,9 +58,12 @@ class Conflict:
 
 
 def conflicts(
-    laplace: LaplaceApproximation, names: tuple[str, ...], stated: Mapping[str, Gaussian],
-    wide: Mapping[str, Gaussian], groups: Collection[str],
-) -> dict[str, Conflict]:  # fmt: skip
+    laplace: LaplaceApproximation,
+    names: tuple[str, ...],
+    stated: Mapping[str, Gaussian],
+    wide: Mapping[str, Gaussian],
+    groups: Collection[str],
+) -> dict[str, Conflict]:
     """By group of which the torque says something by itself, how far that is from the statement.
 
     `names` are what is searched; `stated` and `wide` are priors with and without the statements;
@@ -68,13 +72,19 @@ def conflicts(
     from scipy.special import gammaincc
 
     found: dict[str, Conflict] = {}
-    of = [group if (group := group_of(name) or name) in groups and name in wide else ""
-          for name in names]  # fmt: skip
+    of = [
+        group if (group := group_of(name) or name) in groups and name in wide else ""
+        for name in names
+    ]
     for statement in sorted({_PART_OF.get(group, group) for group in groups}):
         freed = [j for j, group in enumerate(of) if _PART_OF.get(group, group) == statement]
-        said = [j for j in freed if not names[j].startswith(_SHAPES)
-                and stated[names[j]].sd < wide[names[j]].sd]  # fmt: skip
-        mean, weight = laplace.mean.copy(), laplace.weight.copy()
+        said = [
+            j
+            for j in freed
+            if not names[j].startswith(_SHAPES) and stated[names[j]].sd < wide[names[j]].sd
+        ]
+        mean = laplace.mean.copy()
+        weight = laplace.weight.copy()
         mean[freed] = [wide[names[j]].mean for j in freed]
         weight[freed] = [1.0 / wide[names[j]].sd for j in freed]
         _, _, V = replace(laplace, mean=mean, weight=weight).solved()
@@ -95,11 +105,18 @@ def conflicts(
 
 def with_zero(post: LogPosterior, point: Point, said: Gaussian) -> tuple[LogPosterior, Point]:
     """The posterior with the angle's zero [rad] in it too, which a fit holds, at the same point."""
-    spec, free = with_optional(post.problem.spec, (ZERO_NAME,)), (*post.problem.free, ZERO_NAME)
+    spec = with_optional(post.problem.spec, (ZERO_NAME,))
+    free = (*post.problem.free, ZERO_NAME)
     more = post.problem.of_model(spec, free, post.by_name(point.z), post.problem.limits)
     other = LogPosterior(
-        more, {**post.priors, ZERO_NAME: said}, post.noise, post.latents, post.sizes,
-        beliefs={**post.beliefs, ZERO_NAME: said}, rate_hz=post.rate_hz, rest=post.rest,
-    ).having(fast=post.fast)  # fmt: skip
+        more,
+        {**post.priors, ZERO_NAME: said},
+        post.noise,
+        post.latents,
+        post.sizes,
+        beliefs={**post.beliefs, ZERO_NAME: said},
+        rate_hz=post.rate_hz,
+        rest=post.rest,
+    ).having(fast=post.fast)
     z = other.like(post, point.z)
     return other, replace(point, z=z, blocks=other.blocks(z, point.c, point.w))

@@ -36,7 +36,8 @@ _TOES = ("pt_tri", "pt_tib")
 #: Standard deviation of what has no prior: of the logarithm, or in parts of its bounds' distance.
 _VAGUE = 3.0
 #: Largest order of the noise's autoregression, and what is slow of it [Hz].
-_ORDER, _SLOW = 30, 2.0
+_ORDER = 30
+_SLOW = 2.0
 #: Gain of −2 ln Z from which an alternative is supported: odds of 150 to 1 ("very strong", Kass and
 #: Raftery 1995). Legs of the model itself have −60 to −7, richer ones 3 to 290.
 _SUPPORTED = 10.0
@@ -109,7 +110,8 @@ def contradiction(result: FitResult) -> Contradiction | None:
             sets = {s.groups: s for s in subsets(laplace, {"all": [*off]}, off)}
         except np.linalg.LinAlgError:
             return None
-    gain, better = sets[()].evidence - sets["all",].evidence, sets["all",].mode
+    gain = sets[()].evidence - sets["all",].evidence
+    better = sets["all",].mode
     if not (gain > _SUPPORTED and np.isfinite(better).all()):
         return None
     away = (better[: len(free)] - target.z) * target.scale
@@ -196,7 +198,9 @@ def _quadratic(
     # the richer one's residual is another there: its stiffest tendons are none that are rigid
     more = [*zeros, *_BLUR]
     q = len(target.z) + len(more)
-    information, gradient, cost = np.zeros((q, q)), np.zeros(q), 0.0
+    information = np.zeros((q, q))
+    gradient = np.zeros(q)
+    cost = 0.0
     for number, (recording, (e, noise)) in enumerate(zip(target.problem.inputs, own, strict=True)):
         rows = target.rows(recording)
         again = smoothed(recording)

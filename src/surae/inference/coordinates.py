@@ -30,7 +30,8 @@ class Coordinates:
     """
 
     def __init__(self, problem: FitProblem, priors: Mapping[str, Gaussian]) -> None:
-        self.problem, self.priors = problem, priors
+        self.problem = problem
+        self.priors = priors
         several = len(problem.inputs) if len(problem.inputs) > 1 else 0
         #: Of each recording, in its turn behind the shared ones; empty for a single one.
         self.own = tuple(n for n in problem.free if several and n in _EACH)
@@ -39,7 +40,8 @@ class Coordinates:
             [problem.spec.names.index(n) for n in names] for names in (self.names, self.own)
         )
         own = [problem.free.index(n) for n in self.names]
-        self._lower, self._upper = problem.lower[own], problem.upper[own]
+        self._lower = problem.lower[own]
+        self._upper = problem.upper[own]
         self._log = ~straight(self.names)
         #: Parameter that each coordinate is of.
         self.of = coordinates = (*self.names, *self.own * several)
@@ -72,7 +74,8 @@ class Coordinates:
 
     def values(self, z: FloatArray, number: int | None = None) -> FloatArray:
         """The whole parameter vector; of one recording, or with the mean of what each has."""
-        own, values = z[: len(self.names)], self.problem.base.copy()
+        own = z[: len(self.names)]
+        values = self.problem.base.copy()
         with np.errstate(over="ignore"):
             natural = np.where(self._log, np.exp(own), own)
         values[self.columns] = np.clip(natural, self._lower, self._upper)
@@ -87,7 +90,8 @@ class Coordinates:
 
     def of_recording(self, number: int) -> npt.NDArray[np.int64]:
         """Where among the coordinates those are that move a recording: shared ones, its own."""
-        shared, own = len(self.names), len(self.own)
+        shared = len(self.names)
+        own = len(self.own)
         return np.append(np.arange(shared), shared + number * own + np.arange(own))
 
     def by_name(self, z: FloatArray, number: int | None = None) -> dict[str, float]:
@@ -106,7 +110,8 @@ class Coordinates:
         """A step along the valley of k and x0, in which φ = k·(x_ref − x0) moves straight."""
         moved = z + step
         for j_k, j_x0, x_ref in self.valleys:
-            k, reach = np.exp(z[j_k]), x_ref - z[j_x0]
+            k = np.exp(z[j_k])
+            reach = x_ref - z[j_x0]
             phi = k * (reach + reach * step[j_k] - step[j_x0])
             moved[j_x0] = x_ref - phi / np.exp(min(moved[j_k], z[j_k] + 2.0))
         return np.asarray(np.clip(moved, self.lower, self.upper))

@@ -31,7 +31,8 @@ from surae.model.laboratory import DEPARTURES, LAWS, RARE, group_of
 _ROUNDED = 12.0
 #: Standard deviation of the drives' errors that is weighed against none, where its search begins
 #: (a leg with 0.075 asked for none at 0.11, clean raw EMG for some at 0.05); and times the least.
-_ERROR, _ANY = 0.08, 1.05
+_ERROR = 0.08
+_ANY = 1.05
 #: What is to be gained in −2 ln p where sets are weighed: weights are not of the path then.
 _WEIGHED = 0.01
 #: Part of the torque's changes that parameters alone have to follow before: of a model that follows
@@ -44,11 +45,13 @@ _ODDS = 0.3
 _LIKELY = 0.1
 #: What a rare departure has to gain in −2 ln Z from one point, very strong evidence (Kass and
 #: Raftery, JASA 90 (1995) 773), and the standard deviations by which it has to be there.
-_ASKED, _MOVED = 10.0, 3.0
+_ASKED = 10.0
+_MOVED = 3.0
 #: Departures beside it, but for these two, from which a rare one is left out: of virtual legs that
 #: depart in all ways at once half of what was then called known was false. Not where parameters
 #: alone follow the torque better with it by more than the search may lose.
-_SEVERAL, _PLAIN = 2, ("reflex", "spring")
+_SEVERAL = 2
+_PLAIN = ("reflex", "spring")
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +69,8 @@ def choose(family: Family, values: Mapping[str, float], noise: Sequence[NoiseMod
     """Choose from values without departures, and the noise that they leave."""
     full, point, possible = _with_all(family, values, noise)
     sets = with_likely(_scored(full, point, possible), "spring", "plate", _LIKELY)
-    own, mode = family.like(full, sets[0].groups), sets[0].mode
+    own = family.like(full, sets[0].groups)
+    mode = sets[0].mode
     best = own.descend(own.like(full, mode), *point.latents_at(mode), tolerance=0.1)
     if own.fast is None and not family.is_perfect:
         found = learnt(*_with_noise_of_drives(own, best), 1)
@@ -100,7 +104,9 @@ def _with_all(
         recordings = full.problem.inputs
         gained = followed((more, there), recordings) - followed((full, point), recordings)
         if len(beside) < _SEVERAL or gained > LESS:
-            full, point, possible = more, there, every
+            full = more
+            point = there
+            possible = every
     # which departures there are would hide behind them; what muscles do that no electrode hears is
     # loud under effort as well, and no error of another's EMG
     if not (family.is_still or family.original.has_unheard) and _errs(full, point):
@@ -128,13 +134,15 @@ def _rare(
     """Rare departures that the data ask for, each alone beside these, from one point."""
     there = family.possible(RARE)
     more = family.like(full, (*groups, *there))
-    z, of = more.like(full, point.z), [group_of(name) for name in more.names]
+    z = more.like(full, point.z)
+    of = [group_of(name) for name in more.names]
     for j, name in enumerate(more.names):
         z[j] = more.beliefs[name].off if of[j] in there else z[j]
     sets = {s.groups: s for s in _scored(more, more.again(replace(point, z=z)), there)}
     gained = {}
     for group in there:
-        own, at = sets[group,], [j for j, each in enumerate(of) if each == group]
+        own = sets[group,]
+        at = [j for j, each in enumerate(of) if each == group]
         if np.any(own.mode[at] - z[at] > _MOVED * np.sqrt(own.variance[at])):
             gained[group] = sets[()].evidence - own.evidence
     asked = sorted((g for g in gained if gained[g] > _ASKED), key=lambda g: -gained[g])

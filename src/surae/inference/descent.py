@@ -17,7 +17,8 @@ FAR = 0.2
 #: steps that were shorter.
 _BENT = 0.5
 #: Least and greatest part of a step that is tried where the whole one, or a part, rose.
-_LEAST, _MOST = 0.1, 0.5
+_LEAST = 0.1
+_MOST = 0.5
 
 
 class Secant:

@@ -12,18 +12,27 @@ _JUMP = 1e-9
 
 @jit
 def forward(
-    fits: FloatArray, slopes: IntArray, turns: float, half: float, told: FloatArray,
+    fits: FloatArray,
+    slopes: IntArray,
+    turns: float,
+    half: float,
+    told: FloatArray,
     share: FloatArray,
-) -> None:  # fmt: skip
+) -> None:
     """Probabilities of slopes after each sample and of levels, by those before and itself.
 
     `fits` has the likelihood of each level, shape (n, m); `turns` is the probability that a slope
     changes, `half` the part that wanders to either side; `told` is filled, (n, k, m). With room in
     `share`, (n, m), samples come the other way round, and it is what all say of the levels.
     """
-    k, (n, m), back = len(slopes), fits.shape, len(share) > 0
-    edge, often = int(np.abs(slopes).max()) + 1, np.where(slopes == 0, 0.5, 0.5 / (k - 1))
-    here, turned, came = np.empty((k, m)), np.zeros((k, m + 2 * edge)), np.empty(m)
+    k = len(slopes)
+    (n, m) = fits.shape
+    back = len(share) > 0
+    edge = int(np.abs(slopes).max()) + 1
+    often = np.where(slopes == 0, 0.5, 0.5 / (k - 1))
+    here = np.empty((k, m))
+    turned = np.zeros((k, m + 2 * edge))
+    came = np.empty(m)
     for i in range(n):
         level = np.zeros(m)
         for v in range(k):

@@ -16,7 +16,8 @@ from surae.model.parameters import OPTIONAL
 #: Delays from which the valley where emd makes the delay is looked for, beside none [s].
 _DELAYS = (0.06, 0.09)
 #: A filter that leaves the delay to emd: cut-off [Hz] and relative damping.
-_FAST, _FAST_DAMPING = 5.0, 1.0
+_FAST = 5.0
+_FAST_DAMPING = 1.0
 #: Delays at which a reflex is looked for [s].
 _REFLEX_DELAYS = (0.03, 0.05, 0.08, 0.12)
 
@@ -80,7 +81,8 @@ def _filters(problem: FitProblem, x: FloatArray) -> list[FloatArray]:
     values = problem.by_name(x)
     beta = values.get("beta", 1.0)
     beyond_delay = beta / (np.pi * x[cutoff]) - values["emd"]  # of what the filter delayed [s]
-    faster, fast = x.copy(), x.copy()
+    faster = x.copy()
+    fast = x.copy()
     faster[cutoff] = beta / (np.pi * beyond_delay) if beyond_delay > 0 else np.inf
     fast[cutoff] = _FAST
     if "beta" in problem.free:

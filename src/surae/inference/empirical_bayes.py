@@ -17,13 +17,15 @@ from surae.inference.posterior import Block, LogPosterior, Point
 from surae.signals import ModelInputs
 
 #: Largest order of the autoregression that tells the noise's slow part, and what is slow [Hz].
-_ORDER, _COUNTED = 30, 2.0
+_ORDER = 30
+_COUNTED = 2.0
 #: Part of the torque's changes below which no noise is taken: sensors and integrator err as much.
 _EXACT = 5e-3
 #: Values that the size of latents beforehand counts for.
 _BELIEVED = 2.0
 #: Least and greatest size of the drives' errors, and how far its logarithm goes at once; assumed.
-ERRORS, _STEP = (0.03, 0.4), (-0.5, 0.5)
+ERRORS = (0.03, 0.4)
+_STEP = (-0.5, 0.5)
 #: Draws that show what fast gains take of the noise.
 _DRAWS = 16
 #: Standard deviations of the latents before anything is learnt, those above which parameters have
@@ -33,21 +35,29 @@ _MOST = {"gain": 0.15, "drift": 1.0, "misfit": 0.06, "softening": 0.5}
 NEARLY_NONE = {"gain": 1e-3, "drift": 1e-2, "misfit": 1e-3, "softening": 1e-3}
 #: Rounds in which noise and sizes are learnt at most, and the part of each standard deviation below
 #: which the mode rests.
-_ROUNDS, _AT_REST = 5, 0.1
+_ROUNDS = 5
+_AT_REST = 0.1
 #: Rounds of a search's end at most; what is to be gained in −2 ln p there, the square of 0.03
 #: standard deviations; and the part of a standard deviation, of the noise and of the sizes by which
 #: nothing moves any more where it rests; and what a logarithm of noise or sizes counts for, which
 #: move values and intervals to second order.
-_LAST, _ENDS, RESTS, _WIDTHS = 8, 3e-4, 0.02, 0.4
+_LAST = 8
+_ENDS = 3e-4
+RESTS = 0.02
+_WIDTHS = 0.4
 
 #: Where a search has come to.
 Reached = tuple[LogPosterior, Point]
 
 
 def learnt(
-    post: LogPosterior, point: Point, rounds: int = _ROUNDS, *, white: bool = False,
+    post: LogPosterior,
+    point: Point,
+    rounds: int = _ROUNDS,
+    *,
+    white: bool = False,
     tolerance: float = 0.1,
-) -> Reached:  # fmt: skip
+) -> Reached:
     """Noise, sizes of the latents and of the drives' errors in turn with the mode, until it rests.
 
     Latents of which nearly nothing is to be stay so.
@@ -56,7 +66,8 @@ def learnt(
         sizes = post.sizes
         if sizes != NEARLY_NONE:
             sizes = {s: min(n, _MOST[s]) for s, n in learnt_sizes(post, point, BEGIN).items()}
-        noise, latents = learnt_noise(post, point, white=white), learnt_films(post, point)
+        noise = learnt_noise(post, point, white=white)
+        latents = learnt_films(post, point)
         fast = learnt_errors(post, point) if post.fast else post.fast
         post = post.having(noise=noise, sizes=sizes, latents=latents, fast=fast)
         moved = post.descend(point.z, point.c, point.w, tolerance=tolerance, damping=point.damping)
@@ -73,7 +84,9 @@ def rested(post: LogPosterior, point: Point) -> tuple[LogPosterior, Point, float
     In standard deviations; below `RESTS` of what is at rest.
     """
     for _ in range(_LAST):
-        before, at, sd = post, point, np.sqrt(np.diag(post.covariance(point)))
+        before = post
+        at = point
+        sd = np.sqrt(np.diag(post.covariance(point)))
         post, point = learnt(post, point, 1, tolerance=_ENDS)
         sizes = [post.sizes[s] / before.sizes[s] for s in SOURCES]
         both = zip(post.noise, before.noise, strict=True)
@@ -93,12 +106,14 @@ def learnt_sizes(
     σ² = (cᵀ·K·c + ν·σ₀²)/(γ + ν), γ the number of latents that the data determine, σ₀ the size
     `beforehand`, which counts for ν values: what the data do not tell stays at it.
     """
-    squares, counts = dict.fromkeys(SOURCES, 0.0), dict.fromkeys(SOURCES, 0.0)
+    squares = dict.fromkeys(SOURCES, 0.0)
+    counts = dict.fromkeys(SOURCES, 0.0)
     V = _covariance(posterior, point)
     for c, b, latents in zip(point.c, point.blocks, posterior.latents, strict=True):
         cov = cho_solve(b.factor, np.eye(len(c))) + b.solved @ V @ b.solved.T
         for source in SOURCES:
-            at, K = latents.slices[source], latents.inverses[source]
+            at = latents.slices[source]
+            K = latents.inverses[source]
             squares[source] += float(c[at] @ K @ c[at])
             open_part = float(np.sum(K * cov[at, at])) / posterior.sizes[source] ** 2
             counts[source] += max(len(K) - open_part, 0.0)
@@ -150,7 +165,8 @@ def learnt_noise(
     V = root(_covariance(posterior, point))
     models = []
     for number, (own, b) in enumerate(zip(posterior.noise, point.blocks, strict=True)):
-        rows, recording = posterior.rows(point, number)[0], posterior.problem.inputs[number]
+        rows = posterior.rows(point, number)[0]
+        recording = posterior.problem.inputs[number]
         e = rows.residual
         U = _taken(V, b, rows, own)
         if len(b.fast):
@@ -174,7 +190,8 @@ def _taken(V: FloatArray, b: Block, rows: SensorRows, noise: NoiseModel) -> Floa
 
     V is the root of z's covariance.
     """
-    by_z, by_c = rows.by_z, rows.by_c
+    by_z = rows.by_z
+    by_c = rows.by_c
     if len(b.fast):
         moved = rows.lifted(b.followed(np.eye(b.fast.shape[1])[:, :-1])).T
         by_z, by_c = by_z - moved[: len(by_z)], by_c - moved[len(by_z) :]

@@ -40,8 +40,10 @@ class LaplaceApproximation:
 
     def solved(self) -> tuple[float, FloatArray, FloatArray]:
         """Evidence −2 ln Z, mode (q,) and covariance (q, q)."""
-        weight2, away = self.weight**2, self.z - self.mean
-        H, g = self.information + np.diag(weight2), self.gradient + weight2 * away
+        weight2 = self.weight**2
+        away = self.z - self.mean
+        H = self.information + np.diag(weight2)
+        g = self.gradient + weight2 * away
         # Columns of very different size: a factor of what is scaled keeps its digits.
         scale = 1.0 / np.sqrt(np.diag(H))
         scaled = H * scale * scale[:, None]
@@ -86,9 +88,11 @@ def with_likely(
 
 
 def subsets(
-    laplace: LaplaceApproximation, groups: Mapping[str, Sequence[int]], off: Mapping[int, float],
+    laplace: LaplaceApproximation,
+    groups: Mapping[str, Sequence[int]],
+    off: Mapping[int, float],
     odds: Mapping[str, float] | None = None,
-) -> tuple[Subset, ...]:  # fmt: skip
+) -> tuple[Subset, ...]:
     """All subsets of the groups, given by their parameters' positions, the best supported first.
 
     `off` has the value at which each is off, `odds` those beforehand that a group is in, else 1.
@@ -97,10 +101,13 @@ def subsets(
     at = [j for group in groups for j in groups[group]]
     sets = [chosen for n in range(len(groups) + 1) for chosen in combinations(groups, n)]
     held = np.array([[g not in chosen for g in groups for _ in groups[g]] for chosen in sets], bool)
-    values, mean, weight = np.array([off[j] for j in at]), laplace.mean[at], laplace.weight[at]
+    values = np.array([off[j] for j in at])
+    mean = laplace.mean[at]
+    weight = laplace.weight[at]
     # what all else does where some are held follows from the covariance of all
     sd = np.sqrt(np.diag(V))
-    by, away = V[at] / np.outer(sd[at], sd), (values - mode[at]) / sd[at]
+    by = V[at] / np.outer(sd[at], sd)
+    away = (values - mode[at]) / sd[at]
     both = held[:, :, None] & held[:, None, :]
     own = np.where(both, by[:, at], np.eye(len(at)))
     inverse = np.where(both, np.linalg.inv(own), 0.0)

@@ -15,12 +15,17 @@ from surae.inference.drive_chain import forward
 from surae.signals import ModelInputs
 
 #: Levels of a drive as parts of its greatest, and their distance on the logarithm [1/s, samples].
-_LEAST, _MOST, _APART = 1e-3, 2.0, 3.84
+_LEAST = 1e-3
+_MOST = 2.0
+_APART = 3.84
 #: Levels that it climbs a sample; how often that changes [1/s], half of the time to none; how far
 #: it wanders beside [1/√s]. Of virtual legs' efforts.
-_SLOPES, _TURNS, _WANDER = (0, 1, -1, 2, -2, 4, -4, 8, -8), 3.2, 0.25
+_SLOPES = (0, 1, -1, 2, -2, 4, -4, 8, -8)
+_TURNS = 3.2
+_WANDER = 0.25
 #: Samples that are looked at together, and those beside them.
-_BLOCK, _BESIDE = 1024, 128
+_BLOCK = 1024
+_BESIDE = 128
 
 
 def expected_drives(inputs: ModelInputs) -> ModelInputs:
@@ -52,7 +57,8 @@ def _expected(envelope: FloatArray, relative: float, rate_hz: float) -> FloatArr
     for begin in range(0, len(envelope), _BLOCK):
         first = max(begin - _BESIDE, 0)
         own = fits[first : begin + _BLOCK + _BESIDE]
-        share, told = np.zeros_like(own), np.empty((len(own), len(slopes), len(levels)))
+        share = np.zeros_like(own)
+        told = np.empty((len(own), len(slopes), len(levels)))
         forward(own, slopes, *moves, told, share[:0])
         forward(own[::-1].copy(), -slopes, *moves, told, share)
         each = share @ np.exp(levels) / share.sum(axis=1)

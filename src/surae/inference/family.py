@@ -29,7 +29,9 @@ from surae.signals.prepare import sharpened
 from surae.signals.resample import thinned, thinning_factor
 
 #: Rates [Hz] of the first stage and of all others, and the samples that a recording keeps at least.
-FIRST_HZ, RATE_HZ, _SAMPLES = 32.0, 64.0, 400
+FIRST_HZ = 32.0
+RATE_HZ = 64.0
+_SAMPLES = 400
 #: How far EMG at rest may be from what is expected, in standard deviations.
 _REST = 6.0
 #: Bounds that are wider than those of a named model's search.
@@ -43,7 +45,8 @@ class Family:
         self.inputs = problem.inputs  #: As they were given.
         problem = replace(problem, inputs=problem.heard)
         self.original = replace(problem, inputs=tuple(sharpened(r) for r in problem.inputs))
-        settings, anatomy = problem.settings, problem.options.anatomy
+        settings = problem.settings
+        anatomy = problem.options.anatomy
         held = {*settings.fixed, *(n for trial in problem.inputs for n in trial.fixed)}
         held |= {problem.spec.weights[channel] for channel in anatomy.silent}
         self._silent = frozenset(m for trial in problem.inputs for m in trial.missing_emg)
@@ -82,7 +85,8 @@ class Family:
     def _forget_noise(self) -> None:
         """Go on as if nothing were known of the noise of envelopes."""
         inputs = tuple(replace(trial, rectified=()) for trial in self.original.inputs)
-        self.original, self._thinned = replace(self.original, inputs=inputs), {}
+        self.original = replace(self.original, inputs=inputs)
+        self._thinned = {}
 
     @property
     def evaluations(self) -> int:
@@ -109,21 +113,29 @@ class Family:
 
     def rigid(self, inputs: Sequence[ModelInputs], *, starts: int = 1, **changes: Any) -> FitResult:
         """The fit of the simplest member, from its own start and others."""
-        original, spec = self.original, get_model(RIGID)
+        original = self.original
+        spec = get_model(RIGID)
         free = [n for n in spec.names if n in original.free]
         rigid = original.of_model(spec, free, original.by_name(original.start), original.limits)
         return fit_problem(replace(rigid, inputs=tuple(inputs), **changes), starts=starts)
 
     def posterior(
-        self, groups: Sequence[str], rate_hz: float, noise: Sequence[NoiseModel],
-        sizes: Mapping[str, float], *, rest: float = REST, of: LogPosterior | None = None,
-    ) -> LogPosterior:  # fmt: skip
+        self,
+        groups: Sequence[str],
+        rate_hz: float,
+        noise: Sequence[NoiseModel],
+        sizes: Mapping[str, float],
+        *,
+        rest: float = REST,
+        of: LogPosterior | None = None,
+    ) -> LogPosterior:
         """The posterior of the recordings at a rate with these departures.
 
         Recordings and latents are those `of` another at this rate.
         """
         if of is not None:
-            inputs, latents = of.problem.inputs, of.latents
+            inputs = of.problem.inputs
+            latents = of.latents
         else:
             inputs = tuple(expected_drives(recording) for recording in self.given(rate_hz))
             latents = tuple(
@@ -147,9 +159,13 @@ class Family:
                 limits[name] = (belief.mean - _REST * belief.sd, belief.mean + _REST * belief.sd)
         free = [n for n in spec.names if n in original.free or n in beliefs]
         problem = original.of_model(
-            spec, free, original.by_name(original.start), limits,
-            options=self._options, inputs=inputs,
-        )  # fmt: skip
+            spec,
+            free,
+            original.by_name(original.start),
+            limits,
+            options=self._options,
+            inputs=inputs,
+        )
         priors = self._leg(problem) | {
             n: b if is_straight(n) else b.on_logarithm() for n, b in beliefs.items()
         }

@@ -43,7 +43,8 @@ class Fascicles(Comparable):
     def quality(self) -> FascicleQuality:
         """The figures."""
         error = 1e3 * (self.measured - self.modelled)
-        rmse, bias = float(np.sqrt(np.mean(error**2))), float(error.mean())
+        rmse = float(np.sqrt(np.mean(error**2)))
+        bias = float(error.mean())
         changes = min(np.ptp(self.measured), np.ptp(self.modelled)) > 0.0
         alike = float(np.corrcoef(self.measured, self.modelled)[0, 1]) if changes else None
         noise = float(np.std(np.diff(error)) / np.sqrt(2.0)) if len(error) > 2 else None
@@ -74,7 +75,9 @@ def followed(
         inside = (film.time >= recording.time[0]) & (film.time <= recording.time[-1])
         if not inside.any():
             continue
-        group, time, seen = group_of_film(film.channel), film.time[inside], film.length[inside]
+        group = group_of_film(film.channel)
+        time = film.time[inside]
+        seen = film.length[inside]
         length, stretch, force, torque = (
             np.interp(time, recording.time, row)
             for row in (lengths[group], stretches[group], forces[group], measured)

@@ -19,10 +19,17 @@ from surae.model.activation import IntArray
 from surae.signals import Film, ModelInputs
 
 #: A tracker's drift [m], its correlation time and the distance of its hats [s].
-DRIFT, DRIFT_S, _STEP_S, _MOST = 1e-3, 5.0, 1.0, 60
+DRIFT = 1e-3
+DRIFT_S = 5.0
+_STEP_S = 1.0
+_MOST = 60
 #: Noise from which a search begins, and the least [m]; largest order of its model; frames a second
 #: that are used, and the fewest of a film.
-_BEGIN, _LEAST, _ORDER, _RATE, _FEWEST = 1.5e-3, 1e-4, 8, 40.0, 20
+_BEGIN = 1.5e-3
+_LEAST = 1e-4
+_ORDER = 8
+_RATE = 40.0
+_FEWEST = 20
 _COUNTED = 2.0
 
 
@@ -48,19 +55,25 @@ class FilmView:
             return None
         seconds = float(film.time[frames[-1]] - film.time[frames[0]])
         frames = frames[:: max(1, round((len(frames) - 1) / seconds / _RATE))]
-        time, length = film.time[frames], film.length[frames]
+        time = film.time[frames]
+        length = film.length[frames]
         at = (time - recording.time[0]) * recording.rate_hz
         before = np.clip(at.astype(np.int64), 0, recording.n - 2)
-        first, last = float(film.time[0]), float(film.time[-1])  # the same at every rate
+        first = float(film.time[0])
+        last = float(film.time[-1])  # the same at every rate
         knots = np.linspace(first, last, min(max(2, round((last - first) / _STEP_S) + 1), _MOST))
         apart = np.abs(knots[:, None] - knots) / DRIFT_S
         drift = DRIFT**2 * (np.exp(-apart) + 1e-6 * np.eye(len(knots)))
         return cls(
-            film.channel, group_of_film(film.channel), length, before, at - before,
+            film.channel,
+            group_of_film(film.channel),
+            length,
+            before,
+            at - before,
             hats(time, knots),
             np.asarray(np.linalg.inv(drift), dtype=float),
             NoiseModel.white(_BEGIN**2, float(len(frames))),
-        )  # fmt: skip
+        )
 
     def at_frames(self, rows: FloatArray) -> FloatArray:
         """What is known at the samples, (…, n), at the frames, (…, k)."""

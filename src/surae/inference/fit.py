@@ -26,14 +26,19 @@ from surae.settings import STARTS
 _EXACT = 1e-12
 #: How often a search that is the best, and not yet at rest, goes on; the variances of the noise
 #: that such a search must gain.
-_CONTINUED, _AT_REST = 3, 1e-2
+_CONTINUED = 3
+_AT_REST = 1e-2
 
 
 def fit_problem(
-    problem: FitProblem, *, starts: int = STARTS, seed: int = 0,
-    progress: SearchProgress | None = None, noise: float | None = None,
+    problem: FitProblem,
+    *,
+    starts: int = STARTS,
+    seed: int = 0,
+    progress: SearchProgress | None = None,
+    noise: float | None = None,
     follow: Follow | None = None,
-) -> FitResult:  # fmt: skip
+) -> FitResult:
     """Find the parameters that bring the modelled torque closest to the measured one.
 
     The first of the `starts` is the problem's own, the others are random within the bounds by
@@ -75,9 +80,12 @@ def fit_problem(
                 if minima[best].outcome is not Outcome.ITERATIONS:
                     break
                 minima[best] = minimise(
-                    residuals.rows, minima[best].x, problem.lower, problem.upper,
+                    residuals.rows,
+                    minima[best].x,
+                    problem.lower,
+                    problem.upper,
                     stall=_AT_REST / problem.n,
-                )  # fmt: skip
+                )
         except KeyboardInterrupt:
             if len(minima) == number:  # and not while the caller learnt of a whole start
                 minima.append(stopped(problem, residuals, initial))
@@ -95,8 +103,10 @@ def _initials(problem: FitProblem, starts: int, seed: int) -> list[FloatArray]:
 
     Drives are drawn apart: everything else starts where a fit without them does.
     """
-    rng, apart = np.random.default_rng(seed), np.random.default_rng([seed, 1])
-    spread, own = problem.upper - problem.lower, len(own_columns(problem))
+    rng = np.random.default_rng(seed)
+    apart = np.random.default_rng([seed, 1])
+    spread = problem.upper - problem.lower
+    own = len(own_columns(problem))
     random = [
         problem.lower + spread * np.concatenate([rng.random(own), apart.random(len(spread) - own)])
         for _ in range(starts - 1)
@@ -105,9 +115,12 @@ def _initials(problem: FitProblem, starts: int, seed: int) -> list[FloatArray]:
 
 
 def _result(
-    problem: FitProblem, residuals: Residuals, initials: Sequence[FloatArray],
-    minima: Sequence[Minimum], seed: int,
-) -> FitResult:  # fmt: skip
+    problem: FitProblem,
+    residuals: Residuals,
+    initials: Sequence[FloatArray],
+    minima: Sequence[Minimum],
+    seed: int,
+) -> FitResult:
     """The best of the minima, in how many of them, and what each start came to."""
     best = min(minima, key=_finite_sum)
     # Sums that differ by less than the variance of the noise cannot be told apart by the data;
@@ -119,7 +132,8 @@ def _result(
     best = min(rested, key=_finite_sum, default=best)
     agreeing = sum(m.sse <= limit for m in minima)
     status, message = _status(problem, best, minima, agreeing, len(initials))
-    left, last = residuals.of(best.x), minima[-1].outcome
+    left = residuals.of(best.x)
+    last = minima[-1].outcome
 
     def of_free(x: FloatArray) -> dict[str, float]:
         return dict(zip(problem.free, x.tolist(), strict=True))
@@ -153,9 +167,11 @@ def _status(
     """Status and message of the best minimum."""
     alone = len(minima) > 1 and agreeing == 1
     message = Message("ended/one-start" if alone else "ended/starts", n=agreeing, all=len(minima))
-    status, bound = "converged", at_bounds(problem, problem.by_name(best.x))
+    status = "converged"
+    bound = at_bounds(problem, problem.by_name(best.x))
     if best.outcome is not Outcome.CONVERGED:
-        status, why = "failed", best.outcome.name.lower().replace("_", "-")
+        status = "failed"
+        why = best.outcome.name.lower().replace("_", "-")
         message = Message(f"ended/{why}", outcome=Message(str(best.outcome)))
     elif bound:
         status = "at-bounds"

@@ -23,7 +23,10 @@ from surae.model.sources import source_of
 #: and bandwidth; the same where force falls later than it rises, and where muscles have no
 #: electrode. Bandwidth is 1.4 % off (root mean square) on 30 virtual legs whose sensors, cables and
 #: muscles are as these, 8 to 22 % where they are not (5 % held), 13 % where muscles let go slowly.
-DYNAMICS, ORDER, _RELEASED, _UNHEARD = ("f0", "beta"), 0.05, 0.10, 0.10
+DYNAMICS = ("f0", "beta")
+ORDER = 0.05
+_RELEASED = 0.10
+_UNHEARD = 0.10
 #: Standard deviations of f0, β or bandwidth by which another filter would be seen.
 _TELLS = 2.0
 #: What the latents are called among the sources.
@@ -35,7 +38,8 @@ _CALLED = {
     "film": "film_drift",
 }
 #: Weight below which a set of departures is not looked at; rounding of a matrix's eigenvalues.
-UNSUPPORTED, _ROUNDING = 0.005, 1e-10
+UNSUPPORTED = 0.005
+_ROUNDING = 1e-10
 
 
 def shifts_by_source(
@@ -75,7 +79,8 @@ def softened(posterior: LogPosterior, point: Point, V: FloatArray) -> list[tuple
         at = latents.slices["softening"]
         own = cho_solve(b.factor, np.eye(len(c)))[at, at] + b.solved[at] @ V @ b.solved[at].T
         groups = np.repeat(np.eye(2), len(latents.softening), axis=1)  # all of it at no travel
-        size, sd = groups @ c[at], np.sqrt(np.diag(groups @ own @ groups.T))
+        size = groups @ c[at]
+        sd = np.sqrt(np.diag(groups @ own @ groups.T))
         best = int(np.argmax(size / sd))
         found.append((float(size[best]), float(sd[best])))
     return found
@@ -85,7 +90,8 @@ def between_subsets(
     scored: tuple[Subset, ...], names: tuple[str, ...], posterior: LogPosterior, V: FloatArray
 ) -> FloatArray:
     """Shifts that other sets of departures add, shape (r, q)."""
-    chosen, others = scored[0], [s for s in scored[1:] if s.weight >= UNSUPPORTED]
+    chosen = scored[0]
+    others = [s for s in scored[1:] if s.weight >= UNSUPPORTED]
     mine = [j for j, name in enumerate(posterior.names) if name in names]
     its = [names.index(posterior.names[j]) for j in mine]
     moved = np.zeros((len(others), len(V)))
@@ -115,9 +121,11 @@ def dynamics(posterior: LogPosterior, V: FloatArray, beta: float, *, unheard: bo
         # ∂ ln bandwidth/∂ ln β of f0·√(b + √(b² + 1)), b = 1 − 2β²
         slope = -2.0 * beta**2 / np.hypot(1.0 - 2.0 * beta**2, 1.0)
         ways.append(ways[0] + slope * ways[1])
-    moved, most = np.zeros((len(ways), len(V))), np.inf if unheard else np.sqrt(np.diag(V))
+    moved = np.zeros((len(ways), len(V)))
+    most = np.inf if unheard else np.sqrt(np.diag(V))
     for row, way in zip(moved, ways, strict=True):
-        along, variance = V @ way, float(way @ V @ way)
+        along = V @ way
+        variance = float(way @ V @ way)
         reach = size if unheard else min(size, _TELLS * variance**0.5)
         row[:] = np.clip(reach * along / variance, -most, most)
         row[at] = size * along[at] / variance

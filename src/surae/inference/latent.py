@@ -24,12 +24,16 @@ from surae.recording import MUSCLES
 from surae.signals import ModelInputs, smooth_effort
 
 #: Correlation time and distance of the hats [s]: of an electrode's gain, and of the torque's zero.
-GAIN_S, GAIN_STEP_S = 6.0, 3.0
-DRIFT_S, DRIFT_STEP_S = 8.0, 4.0
+GAIN_S = 6.0
+GAIN_STEP_S = 3.0
+DRIFT_S = 8.0
+DRIFT_STEP_S = 4.0
 #: Most hats over time of one kind: those of long recordings lie farther apart.
-MOST, MOST_FAST = 40, 3000
+MOST = 40
+MOST_FAST = 3000
 #: Hats over angle and over velocity of what the model cannot express, each group its own.
-ANGLES, VELOCITIES = 5, 3
+ANGLES = 5
+VELOCITIES = 3
 #: Time [s] for which a change of the drive is followed.
 TAIL_S = 1.5
 SOURCES = ("gain", "drift", "misfit", "softening")
@@ -128,10 +132,15 @@ class Latents:
 
 
 #: Distance of the hats of the drive's fast error [s], its correlation time, and the drive's own.
-FAST_STEP_S, FAST_S, DRIVE_S = 0.05, 0.11, 0.6
+FAST_STEP_S = 0.05
+FAST_S = 0.11
+DRIVE_S = 0.6
 #: Band [Hz] in which an envelope is taken for noise, at most these parts of the sampling rate, and
 #: the time [s] over which its size is averaged; samples below which nothing is said of it.
-_NOISE_HZ, _NOISE_PART, _AVERAGED_S, _FEWEST = (10.0, 40.0), (0.1, 0.35), 0.25, 30
+_NOISE_HZ = (10.0, 40.0)
+_NOISE_PART = (0.1, 0.35)
+_AVERAGED_S = 0.25
+_FEWEST = 30
 #: Inverse covariance of hats whose sum is white noise up to 0.4 of their rate, on and beside the
 #: diagonal: hats that have nothing in common are half as strong at 0.3 of it (fitted to sinc⁴).
 _WHITE = 0.645, 0.185
@@ -159,7 +168,8 @@ class Fast:
     @classmethod
     def of(cls, recording: ModelInputs, muscles: tuple[int, ...]) -> "Fast":
         """The hats of a recording."""
-        rate, n = recording.rate_hz, recording.n
+        rate = recording.rate_hz
+        n = recording.n
         count = min(max(3, round(n / rate / FAST_STEP_S) + 1), MOST_FAST)
         knots = np.linspace(0.0, (n - 1) / rate, count)
         step = knots[1] - knots[0]
@@ -186,7 +196,8 @@ class Fast:
         `size` is the standard deviation of the error at the muscles' frequencies; 0 for none.
         """
         m, k = self.log_effort.shape
-        band, mean = np.zeros((m + 1, k * m)), np.zeros((m, k))
+        band = np.zeros((m + 1, k * m))
+        mean = np.zeros((m, k))
         for i in range(m):
             if not size:
                 alone, beside = _WHITE if self.known else (1.0, 0.0)
@@ -200,7 +211,8 @@ class Fast:
             )
             spread = float(np.var(self.log_effort[i]))
             drive = _ornstein(k, self.step / DRIVE_S) / max(spread - size**2, 0.25 * spread, 1e-4)
-            both, away = error + drive, self.log_effort[i] - self.log_effort[i].mean()
+            both = error + drive
+            away = self.log_effort[i] - self.log_effort[i].mean()
             pull = drive[0] * away
             pull[1:] += drive[1][:-1] * away[:-1]
             pull[:-1] += drive[1][:-1] * away[1:]
@@ -210,7 +222,8 @@ class Fast:
 
     def log_gain(self, w: FloatArray, muscles: tuple[int, ...]) -> FloatArray:
         """Logarithmic gain of the four muscles over time, shape (4, n)."""
-        gains, own = np.zeros((len(MUSCLES), self.n)), np.zeros((self.n, len(muscles)))
+        gains = np.zeros((len(MUSCLES), self.n))
+        own = np.zeros((self.n, len(muscles)))
         lifted(self.shapes, self.first, w.reshape(len(self.first), -1), own)
         gains[list(muscles)] = own.T
         return gains
@@ -235,7 +248,8 @@ def _hats_over_time(
 
 def _hats_over_movement(recording: ModelInputs) -> FloatArray:
     """Hat functions of angle times such of velocity, shape (15, n)."""
-    angle, speed = recording.angle, np.asarray(recording.velocity)
+    angle = recording.angle
+    speed = np.asarray(recording.velocity)
     low, high = np.percentile(angle, [1.0, 99.0])
     fast = max(float(np.percentile(np.abs(speed), 98.0)), 1e-6)
     over_angle = np.linspace(low, max(high, low + 1e-6), ANGLES)

@@ -22,8 +22,12 @@ def box_quadratic(H: FloatArray, g: FloatArray, lower: FloatArray, upper: FloatA
     compilation of NumPy's functions would take most of what that of all kernels takes.
     """
     p = len(g)
-    d, gradient, step, A = np.empty(p), np.empty(p), np.empty(p), np.empty((p, p))
-    held, free = np.empty(p, np.int64), np.empty(p, np.int64)
+    d = np.empty(p)
+    gradient = np.empty(p)
+    step = np.empty(p)
+    A = np.empty((p, p))
+    held = np.empty(p, np.int64)
+    free = np.empty(p, np.int64)
     least = 1e-300
     for j in range(p):
         d[j] = min(max(0.0, lower[j]), upper[j])
@@ -42,12 +46,14 @@ def box_quadratic(H: FloatArray, g: FloatArray, lower: FloatArray, upper: FloatA
                 free[count] = j
                 count += 1
         if settled or count == 0:
-            worst, release = least, -1
+            worst = least
+            release = -1
             for j in range(p):
                 if held[j] and lower[j] < upper[j]:
                     wrong = -gradient[j] if d[j] == lower[j] else gradient[j]
                     if wrong > worst:
-                        worst, release = wrong, j
+                        worst = wrong
+                        release = j
             if release < 0:
                 break
             held[release] = False
@@ -67,12 +73,16 @@ def box_quadratic(H: FloatArray, g: FloatArray, lower: FloatArray, upper: FloatA
             for a in range(k + 1, count):
                 step[k] -= A[k, a] * step[a]
             step[k] /= A[k, k]
-        length, blocking, rising = 1.0, -1, False
+        length = 1.0
+        blocking = -1
+        rising = False
         for i in range(count):
             j = free[i]
             room = upper[j] - d[j] if step[i] > 0 else d[j] - lower[j]
             if abs(step[i]) * length > room:
-                length, blocking, rising = room / abs(step[i]), j, step[i] > 0
+                length = room / abs(step[i])
+                blocking = j
+                rising = step[i] > 0
         for i in range(count):
             d[free[i]] += length * step[i]
         settled = blocking < 0
@@ -84,9 +94,11 @@ def box_quadratic(H: FloatArray, g: FloatArray, lower: FloatArray, upper: FloatA
 
 #: A step may raise the sum a little, by `_UPHILL` of the best, as long as it stays below the
 #: highest of the `_MEMORY` last ones: that carries the iteration across kinks (Grippo et al. 1986).
-_MEMORY, _UPHILL = 3, 0.01
+_MEMORY = 3
+_UPHILL = 0.01
 #: The iteration rests when so many evaluations have not gained so many times `stall` together.
-_PATIENCE, _WORTHWHILE = 40, 50
+_PATIENCE = 40
+_WORTHWHILE = 50
 #: Part of the predicted gain that a step must reach.
 _ENOUGH = 1e-4
 #: Relative ridge under which the undamped step is judged.
@@ -126,7 +138,8 @@ def compress(rows: FloatArray) -> tuple[FloatArray, FloatArray, float]:
 
     `rows`, shape (p + 1, n), are the Jacobian's and the residual; they are overwritten.
     """
-    p, n = rows.shape[0] - 1, rows.shape[1]
+    p = rows.shape[0] - 1
+    n = rows.shape[1]
     factored = dgeqrf(rows.T, lwork=64 * (p + 1), overwrite_a=True)[0]
     full = np.zeros((p + 1, p + 1))
     full[: min(p + 1, n)] = np.triu(factored[: p + 1])
@@ -135,10 +148,19 @@ def compress(rows: FloatArray) -> tuple[FloatArray, FloatArray, float]:
 
 
 def minimise(
-    rows: Rows, x: FloatArray, lower: FloatArray, upper: FloatArray, *, move: Move = np.add,
-    max_iterations: int = 200, ftol: float = 1e-8, xtol: float = 1e-10, gtol: float = 1e-10,
-    stall: float | None = None, better: Better | None = None,
-) -> Minimum:  # fmt: skip
+    rows: Rows,
+    x: FloatArray,
+    lower: FloatArray,
+    upper: FloatArray,
+    *,
+    move: Move = np.add,
+    max_iterations: int = 200,
+    ftol: float = 1e-8,
+    xtol: float = 1e-10,
+    gtol: float = 1e-10,
+    stall: float | None = None,
+    better: Better | None = None,
+) -> Minimum:
     """Minimise the sum of squared residuals within bounds.
 
     Each step solves the damped linear problem exactly within the bounds (`box_quadratic`), so a
@@ -165,12 +187,17 @@ def minimise(
     stall = ftol if stall is None else stall
     x = np.clip(x, lower, upper)
     here, q = _point(x, rows(x))
-    best, count, eye = here, 1, np.eye(len(x))
+    best = here
+    count = 1
+    eye = np.eye(len(x))
     if not (np.isfinite(here.sse) and np.isfinite(here.R).all()):
         return replace(here, outcome=Outcome.NOT_FINITE)
     norms = column_norms(here.R)
-    damping, growth, failed = 1e-3, 2.0, False
-    milestone, since = here.sse, 0
+    damping = 1e-3
+    growth = 2.0
+    failed = False
+    milestone = here.sse
+    since = 0
     recent = deque([here.sse], maxlen=_MEMORY)
     outcome = Outcome.ITERATIONS
     try:
@@ -178,7 +205,8 @@ def minimise(
             norms = np.maximum(norms, column_norms(here.R))
             scale = np.where(norms > 0, norms, 1.0)
             A = here.R / scale
-            g, H = A.T @ q, A.T @ A
+            g = A.T @ q
+            H = A.T @ A
             room = (lower - here.x) * scale, (upper - here.x) * scale
             undamped = predicted_gain(H, g, box_quadratic(H + _RIDGE * eye, g, *room))
             d = box_quadratic(H + damping * eye, g, *room)
@@ -197,7 +225,8 @@ def minimise(
             sse = sum_of_squares(trial[-1]) if np.isfinite(trial).all() else np.inf
             failed = not sse < best.sse
             if sse < milestone * (1 - min(_WORTHWHILE * stall, 0.5)):
-                milestone, since = sse, 0
+                milestone = sse
+                since = 0
             since += 1
             predicted = predicted_gain(H, g, d)
             gain = (min(max(recent), (1 + _UPHILL) * best.sse) - sse) / predicted

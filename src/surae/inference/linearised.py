@@ -49,8 +49,12 @@ class SensorRows:
     def __init__(
         self, whole: FloatArray, q: int, fast: FloatArray, first: IntArray, latents: Latents
     ) -> None:
-        self.whole, self.fast, self.first = whole, fast, first
-        self.by_z, self.by_c, self.residual = whole[:q], whole[q:-1], whole[-1]
+        self.whole = whole
+        self.fast = fast
+        self.first = first
+        self.by_z = whole[:q]
+        self.by_c = whole[q:-1]
+        self.residual = whole[-1]
         self._muscles = len(latents.muscles)
         #: Rows that stay as they are for as long as a descent lasts: by all latents but the gains.
         self.still = slice(q + latents.slices["drift"].start, len(whole) - 1)
@@ -63,7 +67,9 @@ class SensorRows:
 
     def noisy(self, like: "SensorRows", w: FloatArray) -> None:
         """Let fast gains add to the residual what they moved where `like` was."""
-        self.fast, self.first, self.band = like.fast, like.first, like.band
+        self.fast = like.fast
+        self.first = like.first
+        self.band = like.band
         self.residual += like.lifted(w[:, None])[:, 0]
 
     def lifted(self, heights: FloatArray) -> FloatArray:
@@ -106,11 +112,19 @@ class Observed:
     """The recordings of a problem, and their latents."""
 
     def __init__(
-        self, at: Coordinates, latents: Sequence[Latents], *, expected: Sequence[FloatArray] = (),
-        rest: float = REST, calls: list[int] | None = None,
-    ) -> None:  # fmt: skip
-        self._at, self._latents, self.expected = at, latents, expected
-        self._inputs, self._spec = at.problem.inputs, at.problem.spec
+        self,
+        at: Coordinates,
+        latents: Sequence[Latents],
+        *,
+        expected: Sequence[FloatArray] = (),
+        rest: float = REST,
+        calls: list[int] | None = None,
+    ) -> None:
+        self._at = at
+        self._latents = latents
+        self.expected = expected
+        self._inputs = at.problem.inputs
+        self._spec = at.problem.spec
         self._names = self._spec.names
         self._simulators: list[Any] = list(simulators(at.problem))
         for simulator in self._simulators:
@@ -140,7 +154,8 @@ class Observed:
     ) -> tuple[Any, ModelInputs, Latents, FloatArray]:
         """The simulator of a recording at a point, and its parameter vector."""
         simulator = self._simulators[number]
-        recording, latents = self._inputs[number], self._latents[number]
+        recording = self._inputs[number]
+        latents = self._latents[number]
         values = self._at.values(z, number)
         gain = latents.log_gain(c) if c.any() else None
         if self.expected and self.expected[number].any():
@@ -178,7 +193,9 @@ class Observed:
         with np.errstate(over="ignore", invalid="ignore"):
             columns = [*self._at.columns, *self._at.own_columns]
             tangent = simulator.tangent(values, columns, lengths=bool(latents.films))
-        scale, n, q = self._at.scale(z)[:, None], recording.n, self._q
+        scale = self._at.scale(z)[:, None]
+        n = recording.n
+        q = self._q
         each = []
         for group in (None, *(film.group for film in latents.films)):
             own = tangent.jacobian if group is None else tangent.length_jacobian[group]
@@ -190,10 +207,15 @@ class Observed:
         return _Seen(tangent, values, each)
 
     def _rows(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> list[SensorRows]:
-        at, recording, latents = self._at, self._inputs[number], self._latents[number]
+        at = self._at
+        recording = self._inputs[number]
+        latents = self._latents[number]
         moved = z, c[latents.slices["gain"]]
         seen = _known(self._seen[number], moved, lambda: self._simulated(z, c, number))
-        tangent, values, q, n = seen.tangent, seen.values, self._q, recording.n
+        tangent = seen.tangent
+        values = seen.values
+        q = self._q
+        n = recording.n
         whole = seen.rows[0].copy()
         own = whole[q:-1]
         added = self._added[number]
@@ -242,8 +264,10 @@ class Observed:
 
         Of the torque, or of the length of a muscle `group`. Each is followed for a second or so.
         """
-        recording, latents = self._inputs[number], self._latents[number]
-        fast, m = latents.fast, len(latents.muscles)
+        recording = self._inputs[number]
+        latents = self._latents[number]
+        fast = latents.fast
+        m = len(latents.muscles)
         tail = min(TAIL_S, 0.25 + 1.2 / float(values[self._names.index("f0")]))
         size = fast.shapes.shape[1] + int(tail * recording.rate_hz)
         columns = np.zeros((len(fast.first), m, size))
@@ -252,7 +276,8 @@ class Observed:
                 columns[:, at] = response.columns(
                     muscle, fast.shapes, fast.first, size, lengths=group is not None
                 )
-        columns, first = columns.reshape(-1, size), np.repeat(fast.first, m)
+        columns = columns.reshape(-1, size)
+        first = np.repeat(fast.first, m)
         if group is None:
             columns[first[:, None] + np.arange(size) >= recording.n] = 0.0
         return columns, first
@@ -265,7 +290,8 @@ class Observed:
         Of the torque, or of the length of a muscle `group`.
         """
         first, shapes = self._gains[number]
-        k, n = len(first), own.shape[1]
+        k = len(first)
+        n = own.shape[1]
         size = min(n, shapes.shape[1] + int(TAIL_S * self._inputs[number].rate_hz))
         for at, muscle in enumerate(self._latents[number].muscles):
             if group not in (None, int(muscle == 0)):

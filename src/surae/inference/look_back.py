@@ -59,7 +59,8 @@ def explained(inputs: Sequence[ModelInputs], residuals: Sequence[FloatArray]) ->
     """
     left = whole = 0.0
     for recording, e in zip(inputs, residuals, strict=True):
-        w, torque = recording.weights, measured(recording)
+        w = recording.weights
+        torque = measured(recording)
         left += float(w @ e**2)
         whole += float(w @ (torque - np.average(torque, weights=w)) ** 2)
     return 1.0 - left / max(whole, 1e-300) if np.isfinite(left) else -np.inf

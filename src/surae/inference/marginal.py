@@ -42,9 +42,12 @@ _FAR = 2.9
 
 
 def marginal(
-    found: PosteriorMode, problem: FitProblem, known: Uncertainty, adequacy: Adequacy,
+    found: PosteriorMode,
+    problem: FitProblem,
+    known: Uncertainty,
+    adequacy: Adequacy,
     table: Mapping[str, ParameterEstimate],
-) -> dict[str, ParameterEstimate]:  # fmt: skip
+) -> dict[str, ParameterEstimate]:
     """The estimated parameters of the leg with everything that makes them unsure."""
     bounds = [p.name for p in table.values() if p.at_bound and group_of(p.name) is None]
     withheld = Message("note/bounds", names=", ".join(bounds)) if bounds else None
@@ -53,9 +56,11 @@ def marginal(
         withheld = Message("note/denied", reason=str(other[0]))
     if adequacy.grade is Grade.INADEQUATE:
         withheld = INADEQUATE
-    judged, joint = {}, problem.options.anatomy
+    judged = {}
+    joint = problem.options.anatomy
     for name in problem.free:
-        p, budget = table[name], known.budget(known.along(name))
+        p = table[name]
+        budget = known.budget(known.along(name))
         if p.at_bound or group_of(name) is not None or not budget.sd > 0.0:
             continue
         ci95 = known.interval(name, NORMAL * budget.sd)
@@ -65,9 +70,11 @@ def marginal(
         verdict, note = _judge(p, half, budget, problem, repeatable=repeatable, withheld=withheld)
         prior = found.population.get(name)
         if verdict is Verdict.IDENTIFIED and prior:
-            value, scale = p.value, 1.0
+            value = p.value
+            scale = 1.0
             if not is_straight(name):
-                value, scale = np.log(max(p.value, 1e-300)), p.value
+                value = np.log(max(p.value, 1e-300))
+                scale = p.value
             but = "path" if _by_path(name, problem) else "slack" if name == "x0_tri" else ""
             if budget.sd > _NARROWER * prior.sd * scale:
                 but = "no-better"
@@ -75,14 +82,22 @@ def marginal(
                 but = "far"
             if but:
                 reason = Message(f"note/{but}", joint.worded)
-                verdict, note = Verdict.WEAK, Message("note/but", known=note, but=reason)
+                verdict = Verdict.WEAK
+                note = Message("note/but", known=note, but=reason)
         if name == "l0_tib" and not withheld:
             note = _filmed(note, known, problem, table)
         judged[name] = replace(
-            p, sem=budget.sd, sem_robust=None, ci95=ci95, interval=Interval.MARGINAL,
-            verdict=verdict, note=note, ci95_repeat=again, repeatable=repeatable,
+            p,
+            sem=budget.sd,
+            sem_robust=None,
+            ci95=ci95,
+            interval=Interval.MARGINAL,
+            verdict=verdict,
+            note=note,
+            ci95_repeat=again,
+            repeatable=repeatable,
             budget=budget.shares,
-        )  # fmt: skip
+        )
     return judged
 
 
@@ -115,11 +130,17 @@ def _filmed(
 
 
 def _judge(
-    p: ParameterEstimate, half: float, budget: Budget, problem: FitProblem, *, repeatable: bool,
+    p: ParameterEstimate,
+    half: float,
+    budget: Budget,
+    problem: FitProblem,
+    *,
+    repeatable: bool,
     withheld: Message | None,
-) -> tuple[Verdict, Message]:  # fmt: skip
+) -> tuple[Verdict, Message]:
     """Verdict, and what is missing and would help."""
-    relative, joint = half / abs(p.value) if p.value else np.inf, problem.options.anatomy
+    relative = half / abs(p.value) if p.value else np.inf
+    joint = problem.options.anatomy
     within_bounds = half < 0.45 * (p.upper - p.lower)
     if withheld:
         weak = relative <= 1.0 and within_bounds

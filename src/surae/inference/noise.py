@@ -68,8 +68,10 @@ def autoregressive(autocovariance: FloatArray, samples: float) -> NoiseModel:
     The Yule–Walker equations are solved for all orders by the recursion of Levinson and Durbin;
     it ends where the autocovariance, shape (m,), stops being one.
     """
-    coefficients, variance = np.zeros(0), float(autocovariance[0])
-    best, lowest = (coefficients, variance), samples * np.log(variance) if variance > 0 else 0.0
+    coefficients = np.zeros(0)
+    variance = float(autocovariance[0])
+    best = (coefficients, variance)
+    lowest = samples * np.log(variance) if variance > 0 else 0.0
     for order in range(1, len(autocovariance)):
         if not variance > 0:
             break
@@ -81,7 +83,8 @@ def autoregressive(autocovariance: FloatArray, samples: float) -> NoiseModel:
         variance *= 1 - reflection * reflection
         criterion = samples * np.log(variance) + 2 * order
         if criterion < lowest:
-            best, lowest = (coefficients, variance), criterion
+            best = (coefficients, variance)
+            lowest = criterion
     return NoiseModel(best[0], best[1], autocovariance, samples)
 
 
@@ -110,7 +113,8 @@ def level_above(noise: NoiseModel, part: float) -> NoiseModel:
     """The noise with a spectrum that falls no further above a part of the sampling rate."""
     if not noise.order or part >= 0.5:
         return noise
-    density, edge = noise.spectrum(2 * _GRID), int(2 * _GRID * part)
+    density = noise.spectrum(2 * _GRID)
+    edge = int(2 * _GRID * part)
     density[edge:] = np.maximum(density[edge:], density[edge])
     covariance = np.fft.irfft(density)[: noise.order + 1]
     return autoregressive(covariance, noise.samples)

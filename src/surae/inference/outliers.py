@@ -68,7 +68,8 @@ def spread(residual: FloatArray) -> float:
 
 
 #: The weights rest when none has changed by more than this; so many rounds are tried.
-_RESTS, _ROUNDS = 1e-3, 100
+_RESTS = 1e-3
+_ROUNDS = 100
 #: An outlier keeps this weight: it no longer matters to the estimates, and VAF still counts it.
 _LEAST = 1e-6
 #: The scale is at least this part of the torque's root mean square: data without noise have none.
@@ -80,9 +81,14 @@ _SLOPE = 0.1
 
 
 def fit_robust(
-    problem: FitProblem, loss: str = "huber", *, starts: int = STARTS, seed: int = 0,
-    progress: SearchProgress | None = None, follow: Follow | None = None,
-) -> FitResult:  # fmt: skip
+    problem: FitProblem,
+    loss: str = "huber",
+    *,
+    starts: int = STARTS,
+    seed: int = 0,
+    progress: SearchProgress | None = None,
+    follow: Follow | None = None,
+) -> FitResult:
     """Fit with a loss that grows less than the square of the residual.
 
     The minimum of Σ σ²ρ(e/σ) is found by iteratively reweighted least squares: weights
@@ -115,10 +121,11 @@ def fit_robust(
         resting = _settled(problem, x, LOSSES[loss])
         if resting is None:
             return replace(
-                first, status="failed",
+                first,
+                status="failed",
                 solution=replace(first.solution, outcome=str(Outcome.INTERRUPTED)),
                 message=Message("ended/outliers-stopped"),
-            )  # fmt: skip
+            )
         x, sse, outliers = resting
         inputs = tuple(
             replace(trial, weight=read_only(trial.weights * w))
@@ -126,17 +133,24 @@ def fit_robust(
         )
         weighted = replace(problem, inputs=inputs, base=problem.values(x))
         result = fit_problem(
-            weighted, starts=starts, seed=seed, progress=progress, noise=outliers.scale,
+            weighted,
+            starts=starts,
+            seed=seed,
+            progress=progress,
+            noise=outliers.scale,
             follow=follow,
-        )  # fmt: skip
+        )
         if result.status == "failed" or result.sse >= sse * (1 - 1 / (problem.n - len(x))):
             break
         x = np.array([result.values[name] for name in problem.free])
-    status, message = result.status, result.message
+    status = result.status
+    message = result.message
     if outliers.rounds >= _ROUNDS:
-        status, message = "failed", Message("ended/outliers-rounds", loss=loss, n=_ROUNDS)
+        status = "failed"
+        message = Message("ended/outliers-rounds", loss=loss, n=_ROUNDS)
     elif status != "failed" and result.sse > sse * (1 + 1 / (problem.n - len(x))):
-        status, message = "failed", Message("ended/outliers-lost")
+        status = "failed"
+        message = Message("ended/outliers-lost")
     seconds = time.perf_counter() - begin
     assert isinstance(result.solution, LeastSquares)
     solution = replace(result.solution, outliers=outliers)
@@ -164,7 +178,8 @@ def _settled(
         try:
             if loss.name == "tukey":
                 before = _iterated(problem, x, LOSSES["huber"])
-                x, held = before.x, before.scale
+                x = before.x
+                held = before.scale
             last = _iterated(problem, x, loss, held)
         except KeyboardInterrupt:
             return None
@@ -184,7 +199,8 @@ def _settled(
 
 def _iterated(problem: FitProblem, x: FloatArray, loss: Loss, held: float | None = None) -> _Round:
     """Rounds of least squares until the weights rest; `held` is the scale, where it is known."""
-    residuals, inputs = Residuals(problem, 1.0), problem.inputs
+    residuals = Residuals(problem, 1.0)
+    inputs = problem.inputs
     counts = np.concatenate([recording.counts for recording in inputs])
     precise = np.concatenate([np.ones(r.n) if r.emphasised else np.sqrt(r.weights) for r in inputs])
     torque = np.concatenate([r.torque for r in inputs if r.torque is not None])
@@ -205,7 +221,8 @@ def _step(
     problem: FitProblem, residuals: Residuals, x: FloatArray, weights: FloatArray, scale: float
 ) -> tuple[FloatArray, float]:
     """The least squares with these weights: parameters, and the weighted sum of the data."""
-    root, n = np.sqrt(weights), len(weights)
+    root = np.sqrt(weights)
+    n = len(weights)
 
     def rows(at: FloatArray) -> FloatArray:
         weighted = residuals.rows(at)

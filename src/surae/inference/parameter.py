@@ -32,9 +32,14 @@ class Verdict(StrEnum):
 
 
 def judge_interval(
-    name: str, value: float, half: float, estimated: Covariance, unit: str = "-", *,
+    name: str,
+    value: float,
+    half: float,
+    estimated: Covariance,
+    unit: str = "-",
+    *,
     withheld: bool = False,
-) -> tuple[Verdict, Message]:  # fmt: skip
+) -> tuple[Verdict, Message]:
     """Verdict and sentence of a parameter that has an interval.
 
     `half` is the half-width of its 95 % interval; its strongest partner is looked up in
@@ -75,9 +80,13 @@ def judge_singular(name: str, directions: Sequence[Sequence[str]]) -> Message:
 
 def _interval(value: float, half: float, unit: str) -> str:
     """Both ends, to two digits of the half-width; parts of a second in ms."""
-    low, high = value - half, value + half
+    low = value - half
+    high = value + half
     if unit == "s" and max(-low, high) < 1.0:
-        low, high, half, unit = 1e3 * low, 1e3 * high, 1e3 * half, "ms"
+        low = 1e3 * low
+        high = 1e3 * high
+        half = 1e3 * half
+        unit = "ms"
     digits = 1 - math.floor(math.log10(half)) if 0.0 < half < math.inf else 0
     ends = (f"{round(end, digits) + 0.0:.15g}".replace("-", "−") for end in (low, high))
     return " … ".join(ends) + (f" {unit}" if unit not in ("", "-") else "")

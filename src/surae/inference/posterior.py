@@ -31,12 +31,15 @@ from surae.model.activation import IntArray
 from surae.model.source import Gaussian
 
 #: Ridge under which the whole step is judged, and the shortest part of a step that is tried.
-_RIDGE, _SHORTEST = 1e-12, 1e-3
+_RIDGE = 1e-12
+_SHORTEST = 1e-3
 #: Damping of a descent's first step, and its evaluations at most, which few ever need.
-DAMPING, MOST = 1e-3, 40
+DAMPING = 1e-3
+MOST = 40
 #: A descent also rests after so many steps that gained less than this part of its tolerance each:
 #: on a kink, where tissue goes slack, less is to be gained than the normal equations promise.
-_IDLE, _LITTLE = 2, 1.0
+_IDLE = 2
+_LITTLE = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +89,9 @@ class Point:
 
         Of a `part` of a step they go the same part of what they would go alone.
         """
-        moved, slow, fast = z - self.z, [], []
+        moved = z - self.z
+        slow = []
+        fast = []
         for c, w, b in zip(self.c, self.w, self.blocks, strict=True):
             slow.append(c - part * b.step_c - b.solved @ moved)
             both = np.concatenate([moved[b.at], slow[-1] - c, [part]])
@@ -98,14 +103,23 @@ class LogPosterior(Coordinates):
     """The posterior of a problem."""
 
     def __init__(
-        self, problem: FitProblem, priors: Mapping[str, Gaussian], noise: Sequence[NoiseModel],
-        latents: Sequence[Latents], sizes: Mapping[str, float], *,
-        beliefs: Mapping[str, Gaussian] | None = None, rate_hz: float = 0.0, rest: float = REST,
-    ) -> None:  # fmt: skip
+        self,
+        problem: FitProblem,
+        priors: Mapping[str, Gaussian],
+        noise: Sequence[NoiseModel],
+        latents: Sequence[Latents],
+        sizes: Mapping[str, float],
+        *,
+        beliefs: Mapping[str, Gaussian] | None = None,
+        rate_hz: float = 0.0,
+        rest: float = REST,
+    ) -> None:
         super().__init__(problem, priors)
         self.noise, self.latents, self.sizes = tuple(noise), tuple(latents), dict(sizes)
         self.fast: float | None = None  #: Size of the drives' errors; None where there are none.
-        self.beliefs, self.rate_hz, self.rest = dict(beliefs or {}), rate_hz, rest
+        self.beliefs = dict(beliefs or {})
+        self.rate_hz = rate_hz
+        self.rest = rest
         self._prepare()
         self.observed = self._anew()
 
@@ -185,15 +199,20 @@ class LogPosterior(Coordinates):
         H = np.sum([rows.products / variance for rows, variance in each], axis=0)
         if not np.isfinite(H).all():
             raise FloatingPointError
-        at, m = self.of_recording(number), len(c)
+        at = self.of_recording(number)
+        m = len(c)
         q = len(at)
         H[q : q + m, q : q + m] += P
         H[q : q + m, -1] += P @ c
         cost = float(H[-1, -1] + c @ P @ c)
-        band, fast, gain = np.zeros((0, 1)), np.zeros((0, q + m + 1)), 0.0
+        band = np.zeros((0, 1))
+        fast = np.zeros((0, q + m + 1))
+        gain = 0.0
         if len(w):
             prior, mean = self._fast[number]
-            muscles, own, at_c = len(prior) - 1, each[0][0].band, each[0][0].still.start
+            muscles = len(prior) - 1
+            own = each[0][0].band
+            at_c = each[0][0].still.start
             border = reduce(np.add, (rows.border / variance for rows, variance in each))
             away = w + self.observed.expected[number] - mean
             pull = self.fast_product(number, away[:, None])[:, 0]
@@ -215,12 +234,16 @@ class LogPosterior(Coordinates):
             gain = float(fast[:, -1] @ fast[:, -1])
         D = H[q : q + m, q : q + m]
         factor = cho_factor(D + 1e-12 * np.diag(np.diag(D)), check_finite=False)
-        B, gc = H[:q, q : q + m], H[q : q + m, -1]
+        B = H[:q, q : q + m]
+        gc = H[q : q + m, -1]
         solved = cho_solve(factor, B.T, check_finite=False)
         step_c = cho_solve(factor, gc, check_finite=False)
         gain += float(gc @ step_c)
-        whole, g, by_z = np.zeros((len(z), len(z))), np.zeros(len(z)), np.zeros((m, len(z)))
-        whole[np.ix_(at, at)], g[at] = H[:q, :q] - B @ solved, H[:q, -1] - solved.T @ gc
+        whole = np.zeros((len(z), len(z)))
+        g = np.zeros(len(z))
+        by_z = np.zeros((m, len(z)))
+        whole[np.ix_(at, at)] = H[:q, :q] - B @ solved
+        g[at] = H[:q, -1] - solved.T @ gc
         by_z[:, at] = solved
         return Block(whole, g, factor, by_z, step_c, cost, gain, at, band, fast)
 
@@ -253,22 +276,31 @@ class LogPosterior(Coordinates):
         return np.asarray(np.linalg.inv(H * scale * scale[:, None]) * scale * scale[:, None])
 
     def descend(
-        self, z: FloatArray, c: Sequence[FloatArray] | None = None,
-        w: Sequence[FloatArray] | None = None, *, tolerance: float, evaluations: int = MOST,
+        self,
+        z: FloatArray,
+        c: Sequence[FloatArray] | None = None,
+        w: Sequence[FloatArray] | None = None,
+        *,
+        tolerance: float,
+        evaluations: int = MOST,
         damping: float = DAMPING,
-    ) -> Point:  # fmt: skip
+    ) -> Point:
         """The mode that a point leads to; it ends where less than `tolerance` is to be gained."""
         z = np.clip(z, self.lower, self.upper)
         c = self.still() if c is None else tuple(c)
         w = self.expected() if w is None or self.fast is None or not len(w[0]) else tuple(w)
         self.observed.anew()
         here = self._point(z, c, w)
-        spent, idle, last = 0, 0, 1.0
-        secant, eye = Secant(len(z)), np.eye(len(z))
+        spent = 0
+        idle = 0
+        last = 1.0
+        secant = Secant(len(z))
+        eye = np.eye(len(z))
         while True:
             H, g = self._normal(here)
             scale = np.sqrt(np.diag(H))
-            A, b = H / np.outer(scale, scale), g / scale
+            A = H / np.outer(scale, scale)
+            b = g / scale
             room = (self.lower - here.z) * scale, (self.upper - here.z) * scale
             # damped, a step says nothing of directions that the data hardly tell
             whole = box_quadratic(A + _RIDGE * eye, b, *room)
@@ -280,7 +312,8 @@ class LogPosterior(Coordinates):
                 return replace(here, damping=damping, rested=rested)
             A = secant.added(A, scale)
             d = box_quadratic(A + damping * eye, b, *room)
-            gain, slope = predicted_gain(A, b, d), 2.0 * (latent_gain - float(b @ d))
+            gain = predicted_gain(A, b, d)
+            slope = 2.0 * (latent_gain - float(b @ d))
             part = begun = min(1.0, 2.0 * last)  # the one before may have had to be shortened
             better = False
             while not better and part > _SHORTEST and spent < evaluations:
@@ -327,7 +360,8 @@ class LogPosterior(Coordinates):
         """The mode with a coordinate held, from a point nearby that predicts the others."""
         along = self.covariance(near)[:, j]
         z = np.clip(near.z + along / along[j] * (at - near.z[j]), self.lower, self.upper)
-        lower, upper = self.lower.copy(), self.upper.copy()
+        lower = self.lower.copy()
+        upper = self.upper.copy()
         z[j] = lower[j] = upper[j] = at
         narrowed = self.having(lower=lower, upper=upper)
         return narrowed.descend(

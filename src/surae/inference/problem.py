@@ -107,9 +107,13 @@ class FitProblem(Comparable):
         return dict(zip(self.free, pairs, strict=True))
 
     def of_model(
-        self, spec: ModelSpec, free: Sequence[str], values: Mapping[str, float],
-        limits: Mapping[str, tuple[float, float]], **changes: Any,
-    ) -> "FitProblem":  # fmt: skip
+        self,
+        spec: ModelSpec,
+        free: Sequence[str],
+        values: Mapping[str, float],
+        limits: Mapping[str, tuple[float, float]],
+        **changes: Any,
+    ) -> "FitProblem":
         """The problem of another model, with its own start and bounds where none are given."""
         options = changes.get("options", self.options)
         table = adapted(spec.parameters, options, self.inputs[0].emg_unit)
@@ -148,8 +152,11 @@ def make_problem(
         A setting is unknown, contradictory or impossible.
     """
     settings = FitSettings.of(model, **keywords)
-    options, fixed, start = settings.options, settings.fixed, settings.start
-    bounds, priors = settings.bounds, settings.priors
+    options = settings.options
+    fixed = settings.fixed
+    start = settings.start
+    bounds = settings.bounds
+    priors = settings.priors
     held = {*fixed, *(name for recording in inputs for name in recording.fixed)}
     free = _spelled_out(settings.free, held)
     model = richest(settings.model)

@@ -15,10 +15,12 @@ from surae.base.units import FloatArray
 from surae.inference.result import OfRecording
 
 #: Standard deviations τ that are weighed, as parts of the value, and scales of them all.
-_SPREADS, _SCALES = np.geomspace(1e-5, 1.0, 110), np.geomspace(2e-3, 0.3, 20)
+_SPREADS = np.geomspace(1e-5, 1.0, 110)
+_SCALES = np.geomspace(2e-3, 0.3, 20)
 #: Power with which the prior of τ falls beyond the scale: three recordings tell a great τ from the
 #: others themselves; two cannot estimate one.
-_FALLS, _OF_TWO = 1.0, 2.0
+_FALLS = 1.0
+_OF_TWO = 2.0
 
 
 def trial_spread(recordings: Sequence[OfRecording]) -> dict[str, tuple[float, float]]:
@@ -47,8 +49,10 @@ def farthest_apart(recordings: Sequence[OfRecording]) -> tuple[str, float]:
     from scipy.special import gammaincc
 
     names = [n for n, sem in recordings[0].sem.items() if sem > 0.0]
-    values, sems = (np.array([[of[n] for n in names] for of in each]) for each in (
-        [r.values for r in recordings], [r.sem for r in recordings]))  # fmt: skip
+    values, sems = (
+        np.array([[of[n] for n in names] for of in each])
+        for each in ([r.values for r in recordings], [r.sem for r in recordings])
+    )
     away = values - (values / sems**2).sum(axis=0) / (1.0 / sems**2).sum(axis=0)
     alike = gammaincc(0.5 * (len(recordings) - 1), 0.5 * ((away / sems) ** 2).sum(axis=0))
     return names[int(alike.argmin())], 1.0 - (1.0 - float(alike.min())) ** len(names)

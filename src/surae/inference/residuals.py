@@ -29,7 +29,8 @@ class Residuals:
     def __init__(
         self, problem: FitProblem, noise: float = 0.0, within: "Residuals | None" = None
     ) -> None:
-        self._problem, self.noise = problem, noise
+        self._problem = problem
+        self.noise = noise
         rate = max(recording.rate_hz for recording in problem.inputs)
         self._stage = f"{problem.spec.name} at {rate:.3g} Hz"
         self._stages: dict[str, Stage] = {} if within is None else within._stages
@@ -51,7 +52,9 @@ class Residuals:
         """
         checkpoint()
         self._values[self._columns] = x
-        begin, whole, columns = 0, self._rows, self._columns
+        begin = 0
+        whole = self._rows
+        columns = self._columns
         if wanted is not None:
             whole = np.empty((len(wanted) + 1, self._samples))
             columns = [self._columns[j] for j in wanted]

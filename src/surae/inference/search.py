@@ -72,7 +72,8 @@ def _result(family: Family, progress: SearchProgress | None) -> FitResult:
         values = plain
         again, other = chosen_from("again")
         if other > share:
-            chosen, share = again, other
+            chosen = again
+            share = other
     rests = chosen.moved < RESTS
     outcome = str(Outcome.CONVERGED if rests else Outcome.ITERATIONS)
     result = summed(chosen, family, met, stages, outcome)

@@ -26,7 +26,8 @@ def solve_linear(problem: FitProblem, rows: SomeRows, x: FloatArray) -> tuple[Fl
 
     Where the model gives no finite numbers it is `x` as it is, and the sum is infinite.
     """
-    names, spec = problem.free, problem.spec
+    names = problem.free
+    spec = problem.spec
     linear = [j for j, name in enumerate(names) if name in spec.linear or name in spec.slack]
     slack = {i: spec.slack[names[j]] for i, j in enumerate(linear) if names[j] in spec.slack}
     # From the greatest slack length on, passive torque only grows: at a small one it may be so
@@ -39,7 +40,8 @@ def solve_linear(problem: FitProblem, rows: SomeRows, x: FloatArray) -> tuple[Fl
         return x, np.inf
     if not linear:
         return x, sum_of_squares(basis[-1])
-    low, high = (problem.lower - base)[linear], (problem.upper - base)[linear]
+    low = (problem.lower - base)[linear]
+    high = (problem.upper - base)[linear]
     stiffness = {}
     for i, k_name in slack.items():
         # The unknown is the factor s = exp(−k·(x0' − x0)) on the passive torque, which is −J/k;
@@ -76,9 +78,12 @@ def scan_lengths(problem: FitProblem, rows: SomeRows, x: FloatArray) -> FloatArr
 
 
 def best_along(
-    problem: FitProblem, rows: SomeRows, here: tuple[FloatArray, float], j: int,
+    problem: FitProblem,
+    rows: SomeRows,
+    here: tuple[FloatArray, float],
+    j: int,
     values: Iterable[float],
-) -> tuple[FloatArray, float]:  # fmt: skip
+) -> tuple[FloatArray, float]:
     """A point and its sum of squares, or better ones with parameter j at one of the values."""
     solved = [here]
     for value in values:

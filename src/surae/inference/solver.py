@@ -15,9 +15,12 @@ from surae.model.laboratory import AUTO
 
 
 def solve(
-    problem: FitProblem, *, starts: int | None = None, progress: SearchProgress | None = None,
+    problem: FitProblem,
+    *,
+    starts: int | None = None,
+    progress: SearchProgress | None = None,
     follow: Follow | None = None,
-) -> FitResult:  # fmt: skip
+) -> FitResult:
     """Find the best minimum of a problem, with the loss, starts and seed of its settings.
 
     `starts` takes the place of the settings'; `progress` and `follow` are as of `fit_problem`.

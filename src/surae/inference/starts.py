@@ -16,14 +16,19 @@ from surae.signals import thinned, thinning_factor
 
 #: A failed step ends the iteration when no more than this many noise variances are to be gained:
 #: estimates within a third (√0.1) of a standard error of the minimum. On thinned data less will do.
-_STALL, _STALL_THINNED = 0.1, 1.0
+_STALL = 0.1
+_STALL_THINNED = 1.0
 #: Thinned data keep at least this rate [Hz] and so many samples: compliant tendons are integrated
 #: and need what is enough for a robot's motion, rigid ones only enough to tell valleys apart.
-_THIN_RATE, _THIN_RATE_RIGID, _THIN_SAMPLES = 60.0, 12.0, 500
+_THIN_RATE = 60.0
+_THIN_RATE_RIGID = 12.0
+_THIN_SAMPLES = 500
 #: A look at thinned data ends when this part of a noise variance is to be gained.
 _LOOK = 0.1
 #: Relaxation times [s] that are tried, with this factor, unless the one found is within `_APART`.
-_RELAXATIONS, _RELAXATION_FACTOR, _APART = (0.3, 5.0), 0.4, 4.0
+_RELAXATIONS = (0.3, 5.0)
+_RELAXATION_FACTOR = 0.4
+_APART = 4.0
 #: Told of every better point: the model, all its parameters, and the sum of squares.
 Follow = Callable[[ModelSpec, FloatArray, float], None]
 #: Finds the minimum that a point leads to.
@@ -48,7 +53,8 @@ def from_start(problem: FitProblem, residuals: Residuals, follow: Follow | None)
 
 def _direct(problem: FitProblem, residuals: Residuals, follow: Follow | None) -> FromStart:
     """Descends from the start, or the parent's minimum; others look at thinned data first."""
-    descend, again = _descent(problem, residuals, follow), None
+    descend = _descent(problem, residuals, follow)
+    again = None
     straight = _solved_first(problem, residuals, descend)
     look = None if problem.spec.parent is None else _first_look(problem, residuals, follow)
     if look is None:
@@ -82,9 +88,13 @@ def _direct(problem: FitProblem, residuals: Residuals, follow: Follow | None) ->
 
 
 def _descent(
-    problem: FitProblem, residuals: Residuals, follow: Follow | None = None, *,
-    stall: float = _STALL, ftol: float = 1e-8,
-) -> Descent:  # fmt: skip
+    problem: FitProblem,
+    residuals: Residuals,
+    follow: Follow | None = None,
+    *,
+    stall: float = _STALL,
+    ftol: float = 1e-8,
+) -> Descent:
     """How a point descends to its minimum, so that one can `follow` it."""
     move = curved_move(problem)
 
@@ -94,9 +104,15 @@ def _descent(
 
     def descend(x: FloatArray) -> Minimum:
         return minimise(
-            residuals.rows, x, problem.lower, problem.upper,
-            move=move, ftol=ftol, stall=stall / problem.n, better=better,
-        )  # fmt: skip
+            residuals.rows,
+            x,
+            problem.lower,
+            problem.upper,
+            move=move,
+            ftol=ftol,
+            stall=stall / problem.n,
+            better=better,
+        )
 
     return descend
 
@@ -120,9 +136,11 @@ def _with_drives(
     Where nothing else looks for another valley, and with a compliant tendon, whose parent has,
     the start's own minimum is tried too.
     """
-    own, off = own_columns(problem), drives_off(problem)
+    own = own_columns(problem)
+    off = drives_off(problem)
     without = from_start(off, Residuals(off, residuals.noise, residuals), follow) if own else None
-    descend, rigid = _descent(problem, residuals), problem.spec.parent is None
+    descend = _descent(problem, residuals)
+    rigid = problem.spec.parent is None
     followed = _descent(problem, residuals, follow)
 
     def minimum(initial: FloatArray, scan: bool) -> Minimum:
@@ -204,7 +222,8 @@ def _other_relaxations(problem: FitProblem, x: FloatArray) -> list[FloatArray]:
     """
     if not {"tau_rel", "k_rel"} <= {*problem.free}:
         return []
-    tau, gain = problem.free.index("tau_rel"), problem.free.index("k_rel")
+    tau = problem.free.index("tau_rel")
+    gain = problem.free.index("k_rel")
     points = []
     for value in _RELAXATIONS:
         if not 1 / _APART < value / x[tau] < _APART:
@@ -216,7 +235,8 @@ def _other_relaxations(problem: FitProblem, x: FloatArray) -> list[FloatArray]:
 
 #: A point is at a minimum when its sum differs by less than so many noise variances, and its
 #: parameters by less than so many as the minimum's Jacobian measures it.
-_SAME_SUM, _SAME = 2.0, 9.0
+_SAME_SUM = 2.0
+_SAME = 9.0
 
 
 def _leads_to(x: FloatArray, sse: float, end: Minimum) -> bool:
@@ -224,5 +244,6 @@ def _leads_to(x: FloatArray, sse: float, end: Minimum) -> bool:
     variance = max(end.sse, 1e-300) / len(end.residual)
     with np.errstate(over="ignore", invalid="ignore"):  # an end may be where the model overflows
         apart = end.R @ (x - end.x)
-        predicted, excess = float(apart @ apart) / variance, (sse - end.sse) / variance
+        predicted = float(apart @ apart) / variance
+        excess = (sse - end.sse) / variance
     return abs(excess) <= _SAME_SUM and predicted <= _SAME

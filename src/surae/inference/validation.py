@@ -75,7 +75,9 @@ def predict_others(
     A sample of weight 0 is predicted, and is in no figure; other weights change nothing.
     """
     problem = result.problem
-    spec, options, unit = problem.spec, problem.options, problem.inputs[0].emg_unit
+    spec = problem.spec
+    options = problem.options
+    unit = problem.inputs[0].emg_unit
     weights = zip(MUSCLES, spec.weights, strict=True)
     estimated = [muscle for muscle, weight in weights if weight in problem.free]
     vector = spec.vector(result.values, options)

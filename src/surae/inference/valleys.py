@@ -21,13 +21,15 @@ from surae.inference.result import Start
 #: Active state over which it reaches zero [N].
 ROUNDED = 30.0
 #: Relaxation times [s] and factor from which a search begins.
-_RELAXATIONS, _RELAXED = (0.4, 4.0), 0.3
+_RELAXATIONS = (0.4, 4.0)
+_RELAXED = 0.3
 #: Noise that it begins with, as a part of the torque's changes.
 _TEMPER = 0.1
 #: Standard deviations, noise taken for so much, within which two starts are in one valley.
 _ALIKE = 1.0
 #: By how much more −2 ln p, noise taken for so much, a start is left behind; damping far away.
-_BEHIND, _AFAR = 10.0, 0.1
+_BEHIND = 10.0
+_AFAR = 0.1
 
 
 def first(
@@ -40,20 +42,24 @@ def first(
     for relaxation in _RELAXATIONS:
         given = {"tau_rel": relaxation, "k_rel": _RELAXED, **family.original.settings.start}
         near = post.by_name(runs[0][1].z) if runs else {}
-        begin, before = post.start(near | given), family.evaluations
+        begin = post.start(near | given)
+        before = family.evaluations
         end = post.descend(begin, tolerance=3.0, damping=_AFAR)
         runs.append((begin, end, family.evaluations - before))
     best = min((end for _, end, _ in runs), key=lambda end: end.cost)
-    reach, before = _ALIKE * np.sqrt(np.diag(post.covariance(best))), family.evaluations
+    reach = _ALIKE * np.sqrt(np.diag(post.covariance(best)))
+    before = family.evaluations
     lowest = own = _quieter(post, best)
     met = []
     for begin, end, spent in runs:
-        own, behind = lowest, end.cost - best.cost
+        own = lowest
+        behind = end.cost - best.cost
         if np.any(np.abs(end.z - best.z) > reach):  # of another valley
             # at less noise what is far behind is farther behind
             doubtful = behind < _BEHIND
             own = _quieter(post, end) if doubtful else (lowest[0] + behind, post, end)
-        total, before = spent + family.evaluations - before, family.evaluations
+        total = spent + family.evaluations - before
+        before = family.evaluations
         met.append((own[0], _started(own[1], begin, own[2], total)))
         lowest = min(lowest, own, key=lambda each: each[0])
     return lowest[1].by_name(lowest[2].z), lowest[1].noise, met

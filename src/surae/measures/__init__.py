@@ -9,5 +9,11 @@ from surae.measures.measure import Measure, Measures
 from surae.measures.table import DEFINITIONS, Definition
 
 __all__ = [
-    "ANGLES", "DEFINITIONS", "Definition", "Measure", "Measures", "measures", "measures_of_values",
-]  # fmt: skip
+    "ANGLES",
+    "DEFINITIONS",
+    "Definition",
+    "Measure",
+    "Measures",
+    "measures",
+    "measures_of_values",
+]

@@ -70,7 +70,8 @@ def damping(leg: Leg, at: float) -> float:
     equation (17).
     """
     alpha = _alpha(leg, at)
-    hold, (_, _, bend, gain) = leg.hold("tri", 0.0, alpha), leg.curves("tri")
+    hold = leg.hold("tri", 0.0, alpha)
+    (_, _, bend, gain) = leg.curves("tri")
     a = bend * MVSHL
     branches = (1.0 + 1.0 / bend, (1.0 + a) * gain / a)
     slope = 0.5 * sum(branches) / leg.greatest_speed("tri")
@@ -167,9 +168,10 @@ def _alpha(leg: Leg, torque: float) -> float:
     if abs(leg.active_torque("tri", 0.0, alpha) - torque) <= 1e-9 * torque:
         return alpha
     return float(
-        brentq(lambda alpha: leg.active_torque("tri", 0.0, alpha) - torque, 0.0, _STRONGEST,
-               xtol=1e-6)
-    )  # fmt: skip
+        brentq(
+            lambda alpha: leg.active_torque("tri", 0.0, alpha) - torque, 0.0, _STRONGEST, xtol=1e-6
+        )
+    )
 
 
 def _filter(leg: Leg) -> tuple[float, float]:
@@ -183,6 +185,7 @@ def _step_response(t: float, beta: float) -> float:
     root = cmath.sqrt(beta**2 - 1.0)
     if abs(root) < 1e-6:
         return 1.0 - (1.0 + t) * math.exp(-t)
-    slow, fast = -beta + root, -beta - root
+    slow = -beta + root
+    fast = -beta - root
     shape = (fast * cmath.exp(slow * t) - slow * cmath.exp(fast * t)) / (fast - slow)
     return 1.0 - shape.real

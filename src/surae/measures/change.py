@@ -49,11 +49,13 @@ _TENDON = ("dlt_tib", "tendon_stiffness_tib", "tendon_secant_tib", "tendon_strai
 _OF_TENDON = 2.0
 #: What most comparisons are made for, and the part of the level that these share; stiffness and
 #: torque are those at the end of the range that both sessions moved through.
-FIXED, _SHARE = (*LEADING, "k_tri"), 0.8
+FIXED = (*LEADING, "k_tri")
+_SHARE = 0.8
 #: By how much two ranges may differ in which one stiffness is compared [deg].
 _RANGES = 1.0
 #: Level of all claims together, and the power with which the smallest change would be shown.
-LEVEL, POWER = 0.05, 0.80
+LEVEL = 0.05
+POWER = 0.80
 #: Columns of the table that hold numbers.
 _NUMBERS = ("before", "after", "difference", "95 % interval", "would show")
 _Key = TypeVar("_Key", str, tuple[str, str])
@@ -134,9 +136,12 @@ class Change(Tabular, Saved):
                     reasons.setdefault(d.note, []).append(d.name)
                 continue
             values = [significant(math.nan if v is None else v, 3) for v in (d.before, d.after)]
-            text, shown, verdict = of_interval(d.difference, d.ci95), NO_NUMBER, NO_NUMBER
+            text = of_interval(d.difference, d.ci95)
+            shown = NO_NUMBER
+            verdict = NO_NUMBER
             if d.smallest is not None:
-                shown, verdict = significant(d.smallest, 2), str(d.verdict)
+                shown = significant(d.smallest, 2)
+                verdict = str(d.verdict)
             rows.append((d.name, *values, text.value, text.interval, shown, d.unit, verdict))
         sides = (", ".join(side.recordings) for side in (self.before, self.after))
         baselines = f"The spread between sessions is that of {self.baselines} baselines."
@@ -163,9 +168,12 @@ class Change(Tabular, Saved):
 
 
 def compare_sessions(
-    before: Quantities, after: Quantities, baselines: Sequence[Quantities] = (), *,
+    before: Quantities,
+    after: Quantities,
+    baselines: Sequence[Quantities] = (),
+    *,
     legs: bool = False,
-) -> Change:  # fmt: skip
+) -> Change:
     """Compare two sessions of a leg, or its two legs, whose own errors do not cancel.
 
     How far `baselines`, sessions before anything changed, scatter beyond their own uncertainty is
@@ -176,11 +184,14 @@ def compare_sessions(
     names = dict.fromkeys((*before.by_name, *after.by_name))
     drafts = {
         name: _difference(
-            name, before, after, [b.by_name[name] for b in baselines if name in b.by_name],
+            name,
+            before,
+            after,
+            [b.by_name[name] for b in baselines if name in b.by_name],
             legs=legs,
         )
         for name in names
-    }  # fmt: skip
+    }
     weights = _weights([name for name, (draft, _) in drafts.items() if draft.p is not None])
     judged = {name: draft for name, (draft, _) in drafts.items()}
     multiplicity = Message("change/holm", n=len(weights))
@@ -217,7 +228,8 @@ def _doubt(before: Quantities, after: Quantities, *, legs: bool) -> Message | No
 def holm(p: Mapping[_Key, float], weights: Mapping[_Key, float]) -> dict[_Key, float]:
     """Holm's p-values of several claims, which share the level by their weights, 1 in all."""
     adjusted: dict[_Key, float] = {}
-    left, before = 1.0, 0.0
+    left = 1.0
+    before = 0.0
     for key in sorted(sorted(p), key=lambda key: p[key] / weights[key]):
         before = adjusted[key] = min(1.0, max(before, left * p[key] / weights[key]))
         left -= weights[key]
@@ -237,14 +249,26 @@ def _difference(
     name: str, before: Quantities, after: Quantities, baselines: Sequence[Quantity], *, legs: bool
 ) -> tuple[Difference, float]:
     """A difference with its own p-value, not yet judged among the others; and its freedom."""
-    a, b = before.by_name.get(name), after.by_name.get(name)
+    a = before.by_name.get(name)
+    b = after.by_name.get(name)
     known = a or b
     assert known is not None
     bare = Difference(
-        name, known.unit, known.meaning, known.kind, a.value if a else None,
-        b.value if b else None, None, None, None, None, ChangeVerdict.NOT_COMPARABLE, "",
-        known.from_deg, known.to_deg,
-    )  # fmt: skip
+        name,
+        known.unit,
+        known.meaning,
+        known.kind,
+        a.value if a else None,
+        b.value if b else None,
+        None,
+        None,
+        None,
+        None,
+        ChangeVerdict.NOT_COMPARABLE,
+        "",
+        known.from_deg,
+        known.to_deg,
+    )
     why = _obstacle(before, after, a, b)
     if why or a is None or b is None or a.value is None or b.value is None:
         return replace(bare, note=Message("change/not-comparable", why=why)), math.inf

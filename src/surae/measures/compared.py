@@ -67,22 +67,28 @@ def common_end(results: Iterable[FitResult]) -> float:
 
 
 def quantities(
-    fit: AssessedFit, angles: Sequence[float] = ANGLES,
-    end: float = math.inf, only: Collection[str] = (),
-) -> Quantities:  # fmt: skip
+    fit: AssessedFit,
+    angles: Sequence[float] = ANGLES,
+    end: float = math.inf,
+    only: Collection[str] = (),
+) -> Quantities:
     """What a fit brings to a comparison; torque and stiffness are those at `angles` [deg].
 
     `only` names the measures that are computed; without it all are, and all parameters are brought.
 
     At the `end` [deg] of the range that others moved through too, those at the end are compared.
     """
-    result, assessment = fit.result, fit.assessment
-    problem, known = result.problem, assessment.uncertainty
+    result = fit.result
+    assessment = fit.assessment
+    problem = result.problem
+    known = assessment.uncertainty
     has_reference = all(
         recording.emg_reference is not None and recording.emg_reference.kind == "mvc"
         for recording in problem.inputs
     )
-    adequacy, inadequate, worded = assessment.adequacy, "", problem.options.anatomy.worded
+    adequacy = assessment.adequacy
+    inadequate = ""
+    worded = problem.options.anatomy.worded
     if adequacy.grade is Grade.INADEQUATE:
         inadequate = Message("alone/inadequate", reason=adequacy.reasons[0])
     timing = np.isin(known.names, _TIMING) & problem.has_unheard
@@ -94,7 +100,9 @@ def quantities(
         if common or (alone == ELECTRODES and has_reference):
             alone = ""
         if m.value is None or m.ci95 is None:
-            deviations, why, between = _NONE, inadequate or m.note, False
+            deviations = _NONE
+            why = inadequate or m.note
+            between = False
         else:
             deviations = known.deviations(evaluated.gradient)
             # where the measure bends too much for the covariance, draws are wider or narrower
@@ -106,13 +114,22 @@ def quantities(
             why = inadequate or own or unheard or extrapolated(evaluated, result) or ""
             between = alone not in ("", ELECTRODES) and why is own
         by_name[m.name] = Quantity(
-            m.name, m.unit, m.meaning, "measure", m.value, *deviations, why,
-            from_deg=m.from_deg, to_deg=m.to_deg, is_comparable_between_legs=between,
-        )  # fmt: skip
+            m.name,
+            m.unit,
+            m.meaning,
+            "measure",
+            m.value,
+            *deviations,
+            why,
+            from_deg=m.from_deg,
+            to_deg=m.to_deg,
+            is_comparable_between_legs=between,
+        )
     for name in known.names if not only else ():
         if group_of(name) is not None or name not in assessment.parameters:
             continue
-        p, why = assessment.parameters[name], ""
+        p = assessment.parameters[name]
+        why = ""
         if p.at_bound:
             why = Message("alone/bound")
         elif p.ci95 is None:
@@ -123,11 +140,21 @@ def quantities(
             why = _UNHEARD
         deviations = _NONE if p.ci95 is None else known.deviations(known.along(name))
         by_name[name] = Quantity(
-            name, p.unit, p.meaning, "parameter", p.value, *deviations, inadequate or why,
-            p.at_bound, (p.lower, p.upper),
-        )  # fmt: skip
+            name,
+            p.unit,
+            p.meaning,
+            "parameter",
+            p.value,
+            *deviations,
+            inadequate or why,
+            p.at_bound,
+            (p.lower, p.upper),
+        )
     options = {n: v for n, v in problem.options.as_dict().items() if n != "emg_ref"}
     return Quantities(
-        problem.spec.name, FrozenDict(options), adequacy,
-        tuple(recording.name for recording in problem.inputs), FrozenDict(by_name),
-    )  # fmt: skip
+        problem.spec.name,
+        FrozenDict(options),
+        adequacy,
+        tuple(recording.name for recording in problem.inputs),
+        FrozenDict(by_name),
+    )

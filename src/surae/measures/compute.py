@@ -27,13 +27,16 @@ ANGLES = (-10.0, 0.0, 10.0)
 _MOST = 60.0
 #: Possible legs that are drawn, their seed, and how far their interval may differ from the linear
 #: one, as a part of its half-width, before it takes its place.
-_DRAWS, _SEED, _BENT = 256, 7, 0.25
+_DRAWS = 256
+_SEED = 7
+_BENT = 0.25
 #: Part of the possible legs that may lack a measure that has an interval.
 _LACKING = 0.02
 #: Step of a derivative: of a logarithm, and of other parameters as a part of value or range.
 _STEP = 1e-3
 #: Half-width up to which an angle is identified, and above which it is undetermined [deg].
-_ANGLE, _ANY_ANGLE = 2.0, 20.0
+_ANGLE = 2.0
+_ANY_ANGLE = 20.0
 #: Degrees beyond the measured range that still count as measured.
 _BEYOND = 0.5
 #: Part of the variance that comes through a parameter at its bound, from which that is reported.
@@ -87,9 +90,12 @@ def points(angles: Sequence[float] = ANGLES, end: float = math.inf) -> tuple[Mea
 
 
 def measures_of_values(
-    values: Mapping[str, float], model: str, options: ModelOptions | None = None,
-    angles: Sequence[float] = ANGLES, only: Collection[str] = (),
-) -> dict[str, float]:  # fmt: skip
+    values: Mapping[str, float],
+    model: str,
+    options: ModelOptions | None = None,
+    angles: Sequence[float] = ANGLES,
+    only: Collection[str] = (),
+) -> dict[str, float]:
     """Measures of a leg with known parameters: a pure function, those without recordings.
 
     Parameters
@@ -160,7 +166,8 @@ def evaluate(
         step = float(steps[j])
         sides = [leg.with_values({name: known.moved(j, by)}) for by in (-step, step)]
         for i, point in enumerate(wanted):
-            group, of = group_of(name), point.definition
+            group = group_of(name)
+            of = point.definition
             # where the ankle was at the end of the movement depends on its axis
             outside = group in OUTSIDE and not (of.of_recordings or (of.span and group == "axis"))
             if math.isnan(values[i]) or outside:
@@ -189,7 +196,8 @@ def _drawn(
     inner = [point for point in wanted if not point.definition.of_recordings]
     if known.lost == known.names:
         return {}
-    likeliest, legs = leg_of(result), replace(known, turned=FrozenDict()).draw(_DRAWS, _SEED)
+    likeliest = leg_of(result)
+    legs = replace(known, turned=FrozenDict()).draw(_DRAWS, _SEED)
     rows = np.empty((len(legs), len(inner)))
     for i, drawn in enumerate(legs):
         leg = likeliest.with_values(dict(zip(known.names, drawn.tolist(), strict=True)))
@@ -199,8 +207,10 @@ def _drawn(
 
 def _measure(evaluated: Evaluated, drawn: FloatArray | None, fit: AssessedFit) -> Measure:
     known = fit.assessment.uncertainty
-    definition, name = evaluated.point.definition, evaluated.point.name
-    unit, value = definition.unit, evaluated.value
+    definition = evaluated.point.definition
+    name = evaluated.point.name
+    unit = definition.unit
+    value = evaluated.value
     if unit == "Nm/mV" and fit.result.problem.inputs[0].emg_unit == "1":
         unit = "Nm"
     meaning = fit.result.problem.options.anatomy.worded(definition.meaning)
@@ -217,15 +227,18 @@ def _measure(evaluated: Evaluated, drawn: FloatArray | None, fit: AssessedFit) -
     if lost := [n for n in touched if n in known.lost]:
         return replace(bare, note=Message("measure/lost", names=", ".join(lost)))
     g = evaluated.gradient
-    half, method = known.half_width(g), "linear"
+    half = known.half_width(g)
+    method = "linear"
     ci95 = (value - half, value + half)
     if drawn is not None:
         if np.isnan(drawn).mean() > _LACKING:
             return replace(bare, note=Message("measure/lacking"))
         ends = np.nanpercentile(drawn, [2.5, 97.5])
         if float(np.abs(ends - np.array(ci95)).max()) > _BENT * half:
-            low, high = min(float(ends[0]), value), max(float(ends[1]), value)
-            ci95, method = (low, high), "draws"
+            low = min(float(ends[0]), value)
+            high = max(float(ends[1]), value)
+            ci95 = (low, high)
+            method = "draws"
     elif half >= abs(value) and unit != "%":  # so far off no slope tells how the measure bends
         return replace(bare, note=Message("note/as-wide"))
     elif value >= 0.0:  # what the recordings make is positive by nature
@@ -234,9 +247,13 @@ def _measure(evaluated: Evaluated, drawn: FloatArray | None, fit: AssessedFit) -
     repeat = tuple(value + share * (end - value) for end in ci95)
     verdict, note = _judge(evaluated, ci95, fit)
     return replace(
-        bare, ci95=ci95, ci95_repeat=(repeat[0], repeat[1]), verdict=verdict, note=note,
+        bare,
+        ci95=ci95,
+        ci95_repeat=(repeat[0], repeat[1]),
+        verdict=verdict,
+        note=note,
         method=method,
-    )  # fmt: skip
+    )
 
 
 def _judge(
@@ -246,11 +263,13 @@ def _judge(
     assert evaluated.value is not None
     half = max(ci95[1] - evaluated.value, evaluated.value - ci95[0])
     if evaluated.point.definition.is_angle:
-        relative, wide = IDENTIFIED * half / _ANGLE, half > _ANY_ANGLE
+        relative = IDENTIFIED * half / _ANGLE
+        wide = half > _ANY_ANGLE
         known = Message("{half:.2g}°", half=half)
     else:
         relative = half / abs(evaluated.value) if evaluated.value else math.inf
-        wide, known = relative > 1.0, percent(relative)
+        wide = relative > 1.0
+        known = percent(relative)
     if wide:
         return Verdict.UNDETERMINED, Message("note/as-wide")
     adequacy = fit.assessment.adequacy
@@ -268,7 +287,8 @@ def _judge(
 
 def extrapolated(evaluated: Evaluated, result: FitResult) -> Message | None:
     """What of a measure was not measured; None where all was."""
-    definition, at = evaluated.point.definition, evaluated.point.at
+    definition = evaluated.point.definition
+    at = evaluated.point.at
     if definition.at == "deg" or definition.is_angle or definition.span:
         degrees = evaluated.value if definition.is_angle else at
         low, high = measured_range(result)
@@ -282,7 +302,8 @@ def extrapolated(evaluated: Evaluated, result: FitResult) -> Message | None:
         return None if at <= longest else Message("beyond/time", seconds=longest)
     if definition.at not in ("N", "Nm"):
         return None
-    leg, group = leg_of(result), "tib" if definition.name.endswith("_tib") else "tri"
+    leg = leg_of(result)
+    group = "tib" if definition.name.endswith("_tib") else "tri"
     alpha = max(leg.largest_activity[group], 0.0)
     if definition.at == "N":
         ends = (leg.hold(group, angle, alpha).force for angle in measured_range(result))
@@ -294,12 +315,14 @@ def extrapolated(evaluated: Evaluated, result: FitResult) -> Message | None:
 
 def _through_bound(evaluated: Evaluated, known: Uncertainty) -> str:
     """Parameters at a bound that most of a measure's uncertainty goes through."""
-    g, V = evaluated.gradient, known.covariance()
+    g = evaluated.gradient
+    V = known.covariance()
     whole = float(g @ V @ g)
     if not whole > 0.0:
         return ""
     at = {name: known.names.index(name) for name in known.at_bound}
     return ", ".join(
-        name for name, j in at.items()
+        name
+        for name, j in at.items()
         if V[j, j] > 0.0 and float(V[j] @ g) ** 2 / V[j, j] > _BOUND * whole
-    )  # fmt: skip
+    )

@@ -31,9 +31,11 @@ from surae.signals import ModelInputs
 #: Triceps surae and tibialis anterior, in the order of everything that has two groups.
 GROUPS = ("tri", "tib")
 #: Percentiles of the angle between which the ankle was moved, and a range that is none [deg].
-_MOVED, _LITTLE = (1.0, 99.0), 2.0
+_MOVED = (1.0, 99.0)
+_LITTLE = 2.0
 #: The slow stretch: from, beyond the end of, and by [deg]; its speed [deg/s].
-_STRETCH, _STRETCHING = (-30.0, 40.1, 0.2), 5.0
+_STRETCH = (-30.0, 40.1, 0.2)
+_STRETCHING = 5.0
 #: 1/h of an implicit step so long that nothing moves [1/s].
 _STILL = 1e-9
 _DEGREE = np.pi / 180.0
@@ -48,7 +50,8 @@ class NotDefinedError(Exception):
 
     def __init__(self, code: str, **values: object) -> None:
         super().__init__(Message(code, **values))
-        self.code, self.values = code, values
+        self.code = code
+        self.values = values
 
 
 @dataclass(frozen=True)
@@ -108,13 +111,16 @@ class Leg:
         angle += self.values.get(ZERO, 0.0)
         length, slope, arm, arm_slope = self._assumed(group, angle, self._second)
         rest = self._assumed(group, 0.0, None).length
-        grown, stretch = math.exp(scale), math.exp(longer)
+        grown = math.exp(scale)
+        stretch = math.exp(longer)
         factor = 1.0 + (bent + bend * angle) * angle
         turned = arm_slope * factor + arm * (bent + 2.0 * bend * angle)
         return MusclePlace(
             rest + zero + stretch * (length - rest) + turn * angle**2,
-            stretch * slope + 2.0 * turn * angle, grown * arm * factor, grown * turned,
-        )  # fmt: skip
+            stretch * slope + 2.0 * turn * angle,
+            grown * arm * factor,
+            grown * turned,
+        )
 
     @cached_property
     def _own_path(self) -> list[list[float]]:
@@ -124,13 +130,18 @@ class Leg:
         """Path of a group as the geometry assumes it, with a second joint at an angle [rad]."""
         key = angle, second
         if key not in self._geometry:
-            at, still = np.array([angle]), _still(second, 1)
+            at = np.array([angle])
+            still = _still(second, 1)
             both = paths(angle=at, velocity=np.zeros(1), options=self.options, second=still)
             tri, tib = (
-                MusclePlace(*(float(of[0] if isinstance(of, np.ndarray) else of)
-                        for of in (path.length, path.slope, path.arm, path.arm_slope)))
+                MusclePlace(
+                    *(
+                        float(of[0] if isinstance(of, np.ndarray) else of)
+                        for of in (path.length, path.slope, path.arm, path.arm_slope)
+                    )
+                )
                 for path in both
-            )  # fmt: skip
+            )
             self._geometry[key] = tri, tib
         return self._geometry[key][GROUPS.index(group)]
 
@@ -159,9 +170,11 @@ class Leg:
             return degrees
         off = self.values.get(ZERO, 0.0)
         axis = JointAxis(
-            angle=np.array([degrees * _DEGREE + off]), forward=forward, up=up,
+            angle=np.array([degrees * _DEGREE + off]),
+            forward=forward,
+            up=up,
             strap=self.options.anatomy.distance,
-        )  # fmt: skip
+        )
         return float(axis.joint.angle[0] - off) / _DEGREE
 
     def joint_torque(self, degrees: float) -> float:
@@ -202,23 +215,30 @@ class Leg:
 
     def _muscle(self, group: str) -> Muscle:
         if group not in self._muscles:
-            v, curve = self.values, None
+            v = self.values
+            curve = None
             if self.is_compliant:
                 eps0 = v[f"dlt_{group}"]
                 if self.options.tendon_strain != "thesis":
                     eps0 *= self.options.anatomy.slack[GROUPS.index(group)]
                 curve = tendon_curve(eps0, v[f"pt_{group}"], v[f"kt_{group}"], v[f"fmax_{group}"])
-            k, x0, shift = 0.0, math.inf, 0.0
+            k = 0.0
+            x0 = math.inf
+            shift = 0.0
             if f"k_{group}" in v:
-                k, x0, shift = v[f"k_{group}"], v[f"x0_{group}"], v.get("F0", 0.0)
-            l0, shape = self.optimal_length(group), self.curves(group)
+                k = v[f"k_{group}"]
+                x0 = v[f"x0_{group}"]
+                shift = v.get("F0", 0.0)
+            l0 = self.optimal_length(group)
+            shape = self.curves(group)
             self._muscles[group] = Muscle(k, x0, l0, self.relaxed, shift, shape, curve)
         return self._muscles[group]
 
     def curves(self, group: str) -> tuple[float, float, float, float]:
         """What shapes (16) and (17), as of `surae.model.equilibrium`: widths, mvsh, fecc − 1."""
         of = self.values.get
-        bend, gain = math.exp(of("fv_curve", 0.0)), math.exp(of("fv_stretch", 0.0))
+        bend = math.exp(of("fv_curve", 0.0))
+        gain = math.exp(of("fv_stretch", 0.0))
         widths = of(f"fl_short_{group}", 0.0), of(f"fl_long_{group}", 0.0)
         return *widths, MVSH * bend, (FECC - 1.0) * gain
 
@@ -238,23 +258,36 @@ class Leg:
         k, x0, l0, relaxed, shift, shape, curve = muscle = self._muscle(group)
         x, slope, arm, arm_slope = self._path(group, degrees * _DEGREE)
         if curve is None:
-            elastic, (lift, lift_slope) = muscle.elastic(x), muscle.lift(x)
-            own, force = alpha * lift_slope, relaxed * elastic + shift + alpha * lift
-            slow, quick = relaxed * k * elastic + own, k * elastic + own
+            elastic = muscle.elastic(x)
+            (lift, lift_slope) = muscle.lift(x)
+            own = alpha * lift_slope
+            force = relaxed * elastic + shift + alpha * lift
+            slow = relaxed * k * elastic + own
+            quick = k * elastic + own
             return MuscleHold(force, slow, quick, x, 1.0, arm, slope, arm_slope, lift)
         step = (x, x, _STILL, relaxed, 0.0, alpha, 0.0)
         unit = (k, x0, l0, self.greatest_speed(group), *shape)
         solved, e, here = solve(0.0, unit, curve, step, FREE)
         if not solved:
             raise ComputationError("muscle and tendon have no finite balance with these parameters")
-        force, stiff, elastic = here[2], here[3], muscle.elastic(x - e)
+        force = here[2]
+        stiff = here[3]
+        elastic = muscle.elastic(x - e)
         lift, lift_slope = muscle.lift(x - e)
         own = alpha * lift_slope
-        slow, quick = relaxed * k * elastic + own, k * elastic + own
+        slow = relaxed * k * elastic + own
+        quick = k * elastic + own
         return MuscleHold(
-            force, series(stiff, slow), series(stiff, quick), x - e, stiff / (stiff + slow), arm,
-            slope, arm_slope, lift,
-        )  # fmt: skip
+            force,
+            series(stiff, slow),
+            series(stiff, quick),
+            x - e,
+            stiff / (stiff + slow),
+            arm,
+            slope,
+            arm_slope,
+            lift,
+        )
 
     def active_torque(self, group: str, degrees: float, alpha: float) -> float:
         """What an active state α [N] adds to the pull at an angle [Nm]; never below zero."""
@@ -263,9 +296,11 @@ class Leg:
 
     def active_state(self, group: str, degrees: float, torque: float) -> float:
         """The active state α [N] that adds a torque [Nm] to the pull at an angle."""
-        rest, muscle = self.hold(group, degrees), self._muscle(group)
+        rest = self.hold(group, degrees)
+        muscle = self._muscle(group)
         force = rest.force + torque / abs(rest.arm)
-        x, tissue = rest.length, rest.force
+        x = rest.length
+        tissue = rest.force
         if muscle.curve is not None:
             x = self.rigid_length(group, degrees) - elongation(muscle.curve, force)
             tissue = self.relaxed * muscle.elastic(x)
@@ -331,16 +366,31 @@ class Leg:
 
 @lru_cache(maxsize=8)
 def _turned(
-    model: str, own: tuple[str, ...], options: ModelOptions, degrees: tuple[float, ...],
-    rate_hz: float, second: float | None,
-) -> tuple[tuple[str, ...], Simulator]:  # fmt: skip
+    model: str,
+    own: tuple[str, ...],
+    options: ModelOptions,
+    degrees: tuple[float, ...],
+    rate_hz: float,
+    second: float | None,
+) -> tuple[tuple[str, ...], Simulator]:
     """A model's parameters, and the model tied to a leg without activity that is turned so."""
-    spec, angle = with_optional(get_model(model), own), np.array(degrees) * _DEGREE
-    n, velocity = len(angle), np.gradient(angle, 1.0 / rate_hz)
+    spec = with_optional(get_model(model), own)
+    angle = np.array(degrees) * _DEGREE
+    n = len(angle)
+    velocity = np.gradient(angle, 1.0 / rate_hz)
     inputs = ModelInputs(
-        "turned", rate_hz, np.arange(n) / rate_hz, angle, velocity, np.zeros(n), np.zeros((n, 4)),
-        "V", None, prepared=True, second=_still(second, n),
-    )  # fmt: skip
+        "turned",
+        rate_hz,
+        np.arange(n) / rate_hz,
+        angle,
+        velocity,
+        np.zeros(n),
+        np.zeros((n, 4)),
+        "V",
+        None,
+        prepared=True,
+        second=_still(second, n),
+    )
     return spec.names, spec.simulator(inputs, options, beyond=True)
 
 
@@ -367,6 +417,7 @@ def measured_range(
 
 def leg_of(result: FitResult) -> Leg:
     """The leg of a fit."""
-    problem, moved = result.problem, measured_range(result, _MOVED)
+    problem = result.problem
+    moved = measured_range(result, _MOVED)
     gained = result.solution.gained
     return Leg(problem.spec, problem.options, result.values, problem.inputs, moved, gained)

@@ -105,8 +105,11 @@ class Measures(Tabular, Mapping[str, Measure]):
         del adequacy["r2"]
         measures = to_plain(self.by_name)
         return {
-            "surae": __version__, "model": self.model, "adequacy": adequacy, "measures": measures
-        }  # fmt: skip
+            "surae": __version__,
+            "model": self.model,
+            "adequacy": adequacy,
+            "measures": measures,
+        }
 
     def save(self, path: PathLike) -> None:
         """Write M.json, or a table where the name ends in ``.csv``.
@@ -131,13 +134,31 @@ class Measures(Tabular, Mapping[str, Measure]):
 
     def as_csv(self) -> str:
         """A table with one row a measure."""
-        head = ("measure", "value", "unit", "ci95_low", "ci95_high", "ci95_repeat_low",
-                "ci95_repeat_high", "verdict", "note", "meaning")  # fmt: skip
+        head = (
+            "measure",
+            "value",
+            "unit",
+            "ci95_low",
+            "ci95_high",
+            "ci95_repeat_low",
+            "ci95_repeat_high",
+            "verdict",
+            "note",
+            "meaning",
+        )
         none = (None, None)
         return csv_row(head) + "".join(
-            csv_row((
-                m.name, m.value, m.unit, *(m.ci95 or none), *(m.ci95_repeat or none),
-                str(m.verdict), m.note, m.meaning,
-            ))
+            csv_row(
+                (
+                    m.name,
+                    m.value,
+                    m.unit,
+                    *(m.ci95 or none),
+                    *(m.ci95_repeat or none),
+                    str(m.verdict),
+                    m.note,
+                    m.meaning,
+                )
+            )
             for m in self.values()
-        )  # fmt: skip
+        )

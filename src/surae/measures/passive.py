@@ -14,9 +14,13 @@ SIGNS = {"tri": 1.0, "tib": -1.0}
 #: The last of a range, over which its end is as stiff as its mean [deg].
 _LAST = 10.0
 #: Angles between which the neutral angle is looked for [deg].
-_LOWEST, _HIGHEST = -70.0, 50.0
+_LOWEST = -70.0
+_HIGHEST = 50.0
 #: The slow stretch whose energy counts: from and to [deg], its speed [deg/s], samples a second.
-_FROM, _TO, _SPEED, _RATE = -20.0, 10.0, 10.0, 50.0
+_FROM = -20.0
+_TO = 10.0
+_SPEED = 10.0
+_RATE = 50.0
 
 
 def at_end(leg: Leg, end: float) -> tuple[float, float]:
@@ -190,7 +194,8 @@ def relaxed_share(leg: Leg, at: float) -> float:
     """
     if "k_rel" not in leg.values:
         raise NotDefinedError("none/relaxes")
-    k, tau = leg.values["k_rel"], leg.values["tau_rel"]
+    k = leg.values["k_rel"]
+    tau = leg.values["tau_rel"]
     return 100.0 * k / (1.0 + k) * -float(np.expm1(-(1.0 + k) * at / tau))
 
 

@@ -12,23 +12,42 @@ from surae.measures.leg import GROUPS, Leg
 #: Names of the groups, and what stands in the docstring of a measure that each of them has.
 _WORDS = {
     "tri": {
-        "muscles": "calf muscles", "short": "calf muscles", "have": "have", "add": "add",
-        "begin": "begin", "their": "their", "tendon": "Achilles tendon", "beyond": "above",
-        "direction": "plantarflexion", "sign": "", "direction_end": "dorsiflexion",
-        "percentile": "99th", "in_all": " in all three of them",
+        "muscles": "calf muscles",
+        "short": "calf muscles",
+        "have": "have",
+        "add": "add",
+        "begin": "begin",
+        "their": "their",
+        "tendon": "Achilles tendon",
+        "beyond": "above",
+        "direction": "plantarflexion",
+        "sign": "",
+        "direction_end": "dorsiflexion",
+        "percentile": "99th",
+        "in_all": " in all three of them",
         "weights": "g2 + g3 + g4",
     },
     "tib": {
-        "muscles": "tibialis anterior", "short": "tibialis", "have": "has", "add": "adds",
-        "begin": "begins", "their": "its", "tendon": "tibialis tendon", "beyond": "below",
-        "direction": "dorsiflexion", "sign": "−", "direction_end": "plantarflexion",
-        "percentile": "1st", "in_all": "", "weights": "g1",
+        "muscles": "tibialis anterior",
+        "short": "tibialis",
+        "have": "has",
+        "add": "adds",
+        "begin": "begins",
+        "their": "its",
+        "tendon": "tibialis tendon",
+        "beyond": "below",
+        "direction": "dorsiflexion",
+        "sign": "−",
+        "direction_end": "plantarflexion",
+        "percentile": "1st",
+        "in_all": "",
+        "weights": "g1",
     },
     "tissue": {"part": "tissue"},
     "neural": {"part": "active contraction"},
     "inertial": {"part": "inertia"},
     "gravitational": {"part": "gravity"},
-}  # fmt: skip
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +98,10 @@ class Definition:
         return [" ".join(part.split()) for part in text.split("\n\n")]
 
 
-_RANGE, _EFFORT, _MOVEMENT, _FILM = "alone/range", "alone/effort", "alone/movement", "alone/film"
+_RANGE = "alone/range"
+_EFFORT = "alone/effort"
+_MOVEMENT = "alone/movement"
+_FILM = "alone/film"
 #: What stands first everywhere, for it needs no zero of the angle.
 LEADING = ("end_stiffness", "end_torque")
 #: Why a measure in units of EMG cannot be compared between sessions.
@@ -89,9 +111,13 @@ _D = Definition
 
 
 def _pair(
-    name: str, unit: str, compute: Callable[[Leg, float, str], float], at: str = "",
-    points: tuple[tuple[float], tuple[float]] = ((0.0,), (0.0,)), **more: Any,
-) -> tuple[Definition, Definition]:  # fmt: skip
+    name: str,
+    unit: str,
+    compute: Callable[[Leg, float, str], float],
+    at: str = "",
+    points: tuple[tuple[float], tuple[float]] = ((0.0,), (0.0,)),
+    **more: Any,
+) -> tuple[Definition, Definition]:
     """A measure of each group."""
     tri, tib = (
         _D(f"{name}_{group}", unit, compute, at, own, group, **more)
@@ -122,8 +148,9 @@ DEFINITIONS: tuple[Definition, ...] = (
     *_moved_each("end_torque", "Nm", passive.end_torque_of, passive.at_end),
     _moved("torque_rise", "Nm", passive.torque_rise, Leg.range_to),
     *_moved_each("slack_before_end", "deg", passive.slack_before_end, Leg.range_to, is_angle=True),
-    *_moved_each("optimum_before_end", "deg", active.optimum_before_end, Leg.range_to,
-                 is_angle=True),
+    *_moved_each(
+        "optimum_before_end", "deg", active.optimum_before_end, Leg.range_to, is_angle=True
+    ),
     _D("passive_torque", "Nm", passive.passive_torque, "deg"),
     *_pair("passive_torque", "Nm", passive.passive_torque_of, "deg"),
     _D("passive_stiffness", "Nm/deg", passive.passive_stiffness, "deg"),
@@ -136,8 +163,14 @@ DEFINITIONS: tuple[Definition, ...] = (
     *_pair("slack_angle", "deg", passive.slack_angle, is_angle=True),
     _D("relaxed_share", "%", passive.relaxed_share, "s", (10.0,)),
     _D("dissipated_energy", "mJ", passive.dissipated_energy),
-    *_pair("active_torque_max", "Nm", active.active_torque_max, "deg", of_recordings=True,
-           alone=_EFFORT),
+    *_pair(
+        "active_torque_max",
+        "Nm",
+        active.active_torque_max,
+        "deg",
+        of_recordings=True,
+        alone=_EFFORT,
+    ),
     *_pair("torque_per_emg", "Nm/mV", active.torque_per_emg, alone=ELECTRODES),
     *_pair("optimal_angle", "deg", active.optimal_angle, is_angle=True),
     _D("active_stiffness", "Nm/deg", active.active_stiffness, "Nm", (20.0,)),
@@ -157,4 +190,4 @@ DEFINITIONS: tuple[Definition, ...] = (
     *_pair("tendon_secant", "N/mm", passive.tendon_secant, of_recordings=True, alone=_EFFORT),
     _D("optimal_fascicle_tib", "mm", passive.optimal_fascicle_tib, of_recordings=True, alone=_FILM),
     *_pair("tendon_strain", "%", passive.tendon_strain, "N", ((500.0,), (100.0,))),
-)  # fmt: skip
+)

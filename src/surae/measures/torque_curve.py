@@ -68,7 +68,8 @@ class MeasuredSlope:
 
 def stretch(name: str, angle: FloatArray, velocity: FloatArray, torque: FloatArray) -> Stretch:
     """Average a passive movement [rad, rad/s, Nm] by angle, to dorsiflexion and back apart."""
-    degrees, slow = np.degrees(angle), _RESTS * float(np.quantile(np.abs(velocity), 0.75))
+    degrees = np.degrees(angle)
+    slow = _RESTS * float(np.quantile(np.abs(velocity), 0.75))
     place = np.floor((degrees - degrees.min()) / _STEP).astype(int)
     count = int(place.max()) + 1
     lines = []
@@ -105,7 +106,8 @@ def measured_slope(
 def _through(angle: FloatArray, torque: FloatArray) -> MeasuredSlope:
     """A line through holds, by least squares, with Student's t of what it misses."""
     slope, away = _line(angle, torque)
-    free, interval = len(angle) - 2, None
+    free = len(angle) - 2
+    interval = None
     if free > 0:
         missed = torque - torque.mean() - slope * away
         se = float(np.sqrt(missed @ missed / free / (away @ away)))
@@ -127,7 +129,9 @@ def _line(angle: FloatArray, torque: FloatArray) -> tuple[float, FloatArray]:
 
 
 #: Angles of the curve, at most, and the farthest that an ankle is drawn [deg].
-_COUNT, _LOWEST, _HIGHEST = 15, -50.0, 35.0
+_COUNT = 15
+_LOWEST = -50.0
+_HIGHEST = 35.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -153,7 +157,8 @@ def weight_torque(result: FitResult, angle: FloatArray) -> FloatArray:
 def torque_curve(fit: AssessedFit) -> TorqueCurve:
     """The curve of a fit."""
     low, high = measured_range(fit.result)
-    low, high = min(max(low, _LOWEST), _HIGHEST), max(min(high, _HIGHEST), _LOWEST)
+    low = min(max(low, _LOWEST), _HIGHEST)
+    high = max(min(high, _HIGHEST), _LOWEST)
     angle = np.linspace(low, high, _COUNT)
     known = fit.assessment.uncertainty
     (torque,) = (each for each in DEFINITIONS if each.name == "passive_torque")

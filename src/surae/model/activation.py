@@ -106,10 +106,13 @@ def filter_step(f0: float, beta: float, dt: float) -> FloatArray:
         # at 2Z: φ2 ← (φ1² + 2φ2)/4, then φ1 ← I + 2Z·φ2
         square = _times(phi1, phi1, beta)
         phi2 = (
-            0.25 * square[0] + 0.5 * phi2[0], 0.25 * square[1] + 0.5 * phi2[1],
-            0.25 * square[2] + 0.5 * phi2[2], 0.25 * square[3] + 0.5 * phi2[3],
-            0.25 * square[4] + 0.5 * phi2[4], 0.25 * square[5] + 0.5 * phi2[5],
-        )  # fmt: skip
+            0.25 * square[0] + 0.5 * phi2[0],
+            0.25 * square[1] + 0.5 * phi2[1],
+            0.25 * square[2] + 0.5 * phi2[2],
+            0.25 * square[3] + 0.5 * phi2[3],
+            0.25 * square[4] + 0.5 * phi2[4],
+            0.25 * square[5] + 0.5 * phi2[5],
+        )
         scale *= 2.0
         z = (0.0, scale * h, 0.0, scale, 0.0, 0.0)
         phi1 = _plus(_times(phi2, z, beta), 1.0)
@@ -117,11 +120,15 @@ def filter_step(f0: float, beta: float, dt: float) -> FloatArray:
 
     steps = np.empty((3, 2, 4))  # the step, its derivatives by h and by beta
     for i in range(3):
-        p, q = free[2 * i], free[2 * i + 1]
+        p = free[2 * i]
+        q = free[2 * i + 1]
         steps[i, 0, 0], steps[i, 0, 1] = p, q
         steps[i, 1, 0], steps[i, 1, 1] = -q, p - 2.0 * beta * q
         # the input enters the second state with gain h: h times the second column of φ1 and φ2
-        p1, q1, p2, q2 = phi1[2 * i], phi1[2 * i + 1], phi2[2 * i], phi2[2 * i + 1]
+        p1 = phi1[2 * i]
+        q1 = phi1[2 * i + 1]
+        p2 = phi2[2 * i]
+        q2 = phi2[2 * i + 1]
         steps[i, 0, 2], steps[i, 0, 3] = h * (q1 - q2), h * q2
         steps[i, 1, 3] = h * (p2 - 2.0 * beta * q2)
         steps[i, 1, 2] = h * (p1 - 2.0 * beta * q1) - steps[i, 1, 3]
@@ -168,9 +175,14 @@ class ActivationFilter:
     """
 
     def __init__(
-        self, *, f0: float, beta: float, dt: float, lags: tuple[float, ...],
+        self,
+        *,
+        f0: float,
+        beta: float,
+        dt: float,
+        lags: tuple[float, ...],
         columns: tuple[int, int] = (-1, -1),
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._f0, self._beta, self._dt, self._lags = float(f0), float(beta), dt, lags
         self._columns = columns
         self._steady: dict[int, FloatArray] = {}
@@ -195,7 +207,8 @@ class ActivationFilter:
             for row, k in enumerate(by_filter, count):
                 slopes[row] += rows[1 + k]
             if drive.delay_column >= 0:
-                own, at = slopes[len(columns) : len(columns) + 1], self.instants(drive.delay or 0.0)
+                own = slopes[len(columns) : len(columns) + 1]
+                at = self.instants(drive.delay or 0.0)
                 _respond(drive.signal[None], drive.signal[:1], *at, 1, np.zeros((0, 0)), own)
                 own *= -2.0 * math.pi * self._f0  # −α'
                 columns.append(drive.delay_column)
@@ -240,13 +253,16 @@ def _steps(
     They are a step of one sample and one of the part of it that lies before the instant, with their
     derivatives by f0 and beta.
     """
-    steps, whole = [], []
+    steps = []
+    whole = []
     for by in late:
         back = math.floor(max(by, 0.0) / dt)
         after = (back + 1) * dt - by  # the instant lies in (0, dt] after sample i − back − 1
         if after <= 0.0:  # rounding
-            back, after = back + 1, after + dt
-        share, own = after / dt, np.stack([filter_step(f0, beta, dt), filter_step(f0, beta, after)])
+            back = back + 1
+            after = after + dt
+        share = after / dt
+        own = np.stack([filter_step(f0, beta, dt), filter_step(f0, beta, after)])
         # from the inputs at both ends of the sample to those at both ends of its part
         own[1, :, :, 2] += (1.0 - share) * own[1, :, :, 3]
         own[1, :, :, 3] *= share
@@ -262,9 +278,14 @@ def _four(row: FloatArray) -> tuple[float, float, float, float]:
 
 @jit
 def _respond(
-    inputs: FloatArray, first: FloatArray, steps: FloatArray, back: IntArray, state: int,
-    held: FloatArray, out: FloatArray,
-) -> None:  # fmt: skip
+    inputs: FloatArray,
+    first: FloatArray,
+    steps: FloatArray,
+    back: IntArray,
+    state: int,
+    held: FloatArray,
+    out: FloatArray,
+) -> None:
     """α (`state` 0) or α'/ω0 (1) of inputs, (q, n), at all instants, into (q, L, n).
 
     Less their first samples, of which `held`, (L, n), is added where there is any.
@@ -273,10 +294,12 @@ def _respond(
     s00, s01, s02, s03 = _four(steps[0, 0, 0, 0])
     s10, s11, s12, s13 = _four(steps[0, 0, 0, 1])
     for j in range(len(inputs)):
-        x, x0 = inputs[j], first[j]
+        x = inputs[j]
+        x0 = first[j]
         v = w = 0.0  # α and α'/ω0
         for i in range(n - 1):
-            before, now = x[i] - x0, x[i + 1] - x0
+            before = x[i] - x0
+            now = x[i + 1] - x0
             for lag in range(len(back)):
                 at = i + back[lag] + 1
                 if at < n:
@@ -293,9 +316,14 @@ def _respond(
 
 @jit
 def _respond_with_derivatives(
-    x: FloatArray, first: float, steps: FloatArray, back: int, out: FloatArray, by_f0: FloatArray,
+    x: FloatArray,
+    first: float,
+    steps: FloatArray,
+    back: int,
+    out: FloatArray,
+    by_f0: FloatArray,
     by_beta: FloatArray,
-) -> None:  # fmt: skip
+) -> None:
     """The response α, and its derivatives by f0 and beta."""
     s00, s01, s02, s03 = _four(steps[0, 0, 0])
     s10, s11, s12, s13 = _four(steps[0, 0, 1])
@@ -308,7 +336,9 @@ def _respond_with_derivatives(
     r0, r1, r2, r3 = _four(steps[1, 2, 0])
     v = w = v_f = w_f = v_b = w_b = 0.0  # α and α'/ω0, their derivatives by f0 and by beta
     for i in range(len(x) - back - 1):
-        before, now, j = x[i] - first, x[i + 1] - first, i + back + 1
+        before = x[i] - first
+        now = x[i + 1] - first
+        j = i + back + 1
         out[j] = p0 * v + p1 * w + (p2 * before + p3 * now)
         by_f0[j] = p0 * v_f + p1 * w_f + (q0 * v + q1 * w + (q2 * before + q3 * now))
         by_beta[j] = p0 * v_b + p1 * w_b + (r0 * v + r1 * w + (r2 * before + r3 * now))
@@ -368,11 +398,13 @@ def shaped(
     whole, d_whole = _phi1(shape)
     for c in range(envelopes.shape[0]):
         for i in range(envelopes.shape[1]):
-            e, u = envelopes[c, i], smooth[c, i] / reference[c]
+            e = envelopes[c, i]
+            u = smooth[c, i] / reference[c]
             part, d_part = _phi1(shape * u)
             level = u * u + _SMALLEST_EFFORT**2
             grown = 0.5 * math.log(level / (1.0 + _SMALLEST_EFFORT**2))
-            raised, steeper = math.exp(power * grown), power * u / level
+            raised = math.exp(power * grown)
+            steeper = power * u / level
             out[0, c, i] = e * part / whole * raised
             out[1, c, i] = part / whole * raised
             out[2, c, i] = e * (shape * d_part + part * steeper) / (whole * reference[c]) * raised

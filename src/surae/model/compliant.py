@@ -28,15 +28,27 @@ from surae.model.tendon import tendon_curve, tendon_partials, tendon_shape
 
 #: A group's own parameters: those of `surae.model.rigid`, its tendon's, and what shapes its curves:
 #: logarithms over (16) and (17), 0 where they are as printed; then bridges that hold.
-EPS0, TOE, K_TOE, F_MAX = 5, 6, 7, 8
-SHORT, LONG, FASTEST, BEND, GAIN = 9, 10, 11, 12, 13
-BRIDGE, REACH = 14, 15
+EPS0 = 5
+TOE = 6
+K_TOE = 7
+F_MAX = 8
+SHORT = 9
+LONG = 10
+FASTEST = 11
+BEND = 12
+GAIN = 13
+BRIDGE = 14
+REACH = 15
 #: Rows of what `drive_columns` needs of every stage.
 BY_START, BY_HELD, BY_ACTIVE, TAKEN, STIFFNESS, BY_STRAIN, STRAINED, KEPT = range(8)
 LINEAR = 8
 
 #: Rows of a group's states.
-LENGTH, SPEED, ELONGATION, FORCE, TISSUE = 0, 1, 2, 3, 4
+LENGTH = 0
+SPEED = 1
+ELONGATION = 2
+FORCE = 3
+TISSUE = 4
 
 #: Abscissa and diagonal coefficient of the two-stage SDIRK, γ = 1 − 1/√2: L-stable, second order.
 GAMMA = 1.0 - 0.5**0.5
@@ -54,7 +66,10 @@ def stages(length: FloatArray, speed: FloatArray, dt: float) -> FloatArray:
     stage's rule, ẋ = (x − x_before)/(γ·dt), misses the unit's own speed, in metres.
     """
     s = GAMMA
-    begin, end, slow, fast = length[..., :-1], length[..., 1:], speed[..., :-1], speed[..., 1:]
+    begin = length[..., :-1]
+    end = length[..., 1:]
+    slow = speed[..., :-1]
+    fast = speed[..., 1:]
     staged = np.zeros((*length.shape[:-1], 4, length.shape[-1]))
     staged[..., :2, :] = length[..., None, :]
     between = (1 + 2 * s) * (1 - s) ** 2 * begin + s**2 * (3 - 2 * s) * end
@@ -69,11 +84,24 @@ def stages(length: FloatArray, speed: FloatArray, dt: float) -> FloatArray:
 
 @jit
 def compliant_states(
-    p: FloatArray, slots: IntArray, strain_length: float, arm: FloatArray, lengths: FloatArray,
-    alphas: FloatArray, alpha_slopes: FloatArray, alpha_slots: IntArray, length_slopes: FloatArray,
-    length_slots: IntArray, factor: float, dt: float, rest: float, states: FloatArray,
-    jacobian: FloatArray, linear: FloatArray, seen: FloatArray,
-) -> int:  # fmt: skip
+    p: FloatArray,
+    slots: IntArray,
+    strain_length: float,
+    arm: FloatArray,
+    lengths: FloatArray,
+    alphas: FloatArray,
+    alpha_slopes: FloatArray,
+    alpha_slots: IntArray,
+    length_slopes: FloatArray,
+    length_slots: IntArray,
+    factor: float,
+    dt: float,
+    rest: float,
+    states: FloatArray,
+    jacobian: FloatArray,
+    linear: FloatArray,
+    seen: FloatArray,
+) -> int:
     """States of a muscle group, by (2) to (21), (25), (26), and derivatives of its torque.
 
     What has two rows is given at both stages of every step: at t[n−1] + γ·dt, and at the sample.
@@ -121,22 +149,33 @@ def compliant_states(
     int
         First sample whose force balance could not be solved, −1 where there is none.
     """
-    k, x0, l0, tau, k_rel = p[K], p[X0], p[L0], p[TAU], p[K_REL]
-    vmax, slack = factor * l0 * math.exp(p[FASTEST]), _SLACK * rest
-    short, long = p[SHORT], p[LONG]
-    bend, gain = MVSH * math.exp(p[BEND]), (FECC - 1.0) * math.exp(p[GAIN])
+    k = p[K]
+    x0 = p[X0]
+    l0 = p[L0]
+    tau = p[TAU]
+    k_rel = p[K_REL]
+    vmax = factor * l0 * math.exp(p[FASTEST])
+    slack = _SLACK * rest
+    short = p[SHORT]
+    long = p[LONG]
+    bend = MVSH * math.exp(p[BEND])
+    gain = (FECC - 1.0) * math.exp(p[GAIN])
     own = (k, x0, l0, vmax, short, long, bend, gain)
     linearised = len(linear) > 0
     shapes = False
-    holding, reach = p[BRIDGE] / l0, p[REACH] * l0
+    holding = p[BRIDGE] / l0
+    reach = p[REACH] * l0
     bridged = reach > 0.0 and (holding != 0.0 or slots[BRIDGE] != len(jacobian) - 1)
     for j in range(SHORT, BRIDGE):
         shapes = shapes or slots[j] != len(jacobian) - 1
-    eps0, toe = p[EPS0] * strain_length, p[TOE]
+    eps0 = p[EPS0] * strain_length
+    toe = p[TOE]
     curve = tendon_curve(eps0, toe, p[K_TOE], p[F_MAX])
     shape = tendon_shape(eps0, toe, p[K_TOE], p[F_MAX])
     # wanted sensitivities: the group's parameters, then those of its active state and its length
-    unwanted, by_alpha, by_length = len(jacobian) - 1, len(alpha_slots), len(length_slots)
+    unwanted = len(jacobian) - 1
+    by_alpha = len(alpha_slots)
+    by_length = len(length_slots)
     rows = np.empty(len(p) + by_alpha + by_length, np.int64)
     place = np.empty(len(p), np.int64)
     size = 0
@@ -157,21 +196,48 @@ def compliant_states(
             place[j] = size  # which nobody reads
     # sensitivities of length and relaxation: at the sample, before the stage, at the stage
     sens = np.zeros((7, size + 1))
-    x_n, z_n, x_b, z_b, x_s, z_s = sens[0], sens[1], sens[2], sens[3], sens[4], sens[5]
+    x_n = sens[0]
+    z_n = sens[1]
+    x_b = sens[2]
+    z_b = sens[3]
+    x_s = sens[4]
+    z_s = sens[5]
     strained = sens[6]  # of the bridges' strain, where the last stage has left it
     # what parameters do directly: to the balance, to the tendon force, to the relaxation, to α
     terms = np.zeros((4, size + 1))
-    direct, pulled, relaxed, driven = terms[0], terms[1], terms[2], terms[3]
-    i_k, i_x0, i_tau, i_rel, i_l0 = place[K], place[X0], place[TAU], place[K_REL], place[L0]
-    i_eps, i_toe, i_bend, i_max = place[EPS0], place[TOE], place[K_TOE], place[F_MAX]
-    i_short, i_long, i_fast = place[SHORT], place[LONG], place[FASTEST]
-    i_curve, i_gain, i_bridge, i_reach = place[BEND], place[GAIN], place[BRIDGE], place[REACH]
+    direct = terms[0]
+    pulled = terms[1]
+    relaxed = terms[2]
+    driven = terms[3]
+    i_k = place[K]
+    i_x0 = place[X0]
+    i_tau = place[TAU]
+    i_rel = place[K_REL]
+    i_l0 = place[L0]
+    i_eps = place[EPS0]
+    i_toe = place[TOE]
+    i_bend = place[K_TOE]
+    i_max = place[F_MAX]
+    i_short = place[SHORT]
+    i_long = place[LONG]
+    i_fast = place[FASTEST]
+    i_curve = place[BEND]
+    i_gain = place[GAIN]
+    i_bridge = place[BRIDGE]
+    i_reach = place[REACH]
 
     # The start is one stage too: relaxation in its steady state, no active force.
     dc = 1.0 / (1.0 + k_rel)
-    keep, keep_tau, keep_rel = 0.0, 0.0, 0.0
-    take, take_tau, take_rel = k_rel * dc, 0.0, dc * dc
-    per_h, alpha, pulling, guess = 1.0, 0.0, 1.0, 0.0
+    keep = 0.0
+    keep_tau = 0.0
+    keep_rel = 0.0
+    take = k_rel * dc
+    take_tau = 0.0
+    take_rel = dc * dc
+    per_h = 1.0
+    alpha = 0.0
+    pulling = 1.0
+    guess = 0.0
     rigid = x_before = lengths[1, 0]
     z_before = x_now = z_now = x_1 = z_1 = 0.0
     e_0 = e_1 = e_2 = 0.0  # elongations at the three stages before
@@ -182,21 +248,27 @@ def compliant_states(
             per_h = 1.0 / h
             keep = 1.0 / (1.0 + h * (1.0 + k_rel) / tau)
             take = keep * h * k_rel / tau
-            keep_tau, keep_rel = keep * (1.0 - keep) / tau, -keep * keep * h / tau
-            take_tau, take_rel = -take * keep / tau, keep * (1.0 - take) * h / tau
+            keep_tau = keep * (1.0 - keep) / tau
+            keep_rel = -keep * keep * h / tau
+            take_tau = -take * keep / tau
+            take_rel = keep * (1.0 - take) * h / tau
         for stage in range(1 if i == 0 else 0, 2):
             if i > 0:  # guess: the quadratic through the three stages before
                 raw = alphas[stage, i]
-                alpha, pulling = max(raw, 0.0), 1.0 if raw >= 0.0 else 0.0
+                alpha = max(raw, 0.0)
+                pulling = 1.0 if raw >= 0.0 else 0.0
                 if rest > 0.0:
                     away = math.exp(-2.0 * abs(raw) / rest)
                     alpha += 0.5 * rest * math.log1p(away)
                     pulling = (1.0 if raw >= 0.0 else away) / (1.0 + away)
                 if stage == 0:
-                    rigid, x_before, z_before = lengths[0, i], x_now + lengths[2, i], z_now
+                    rigid = lengths[0, i]
+                    x_before = x_now + lengths[2, i]
+                    z_before = z_now
                     guess = e_2 + 2.0 / _RHO * (e_2 - e_1) - (e_1 - e_0)
                     for j in range(size):
-                        x_b[j], z_b[j] = x_n[j], z_n[j]
+                        x_b[j] = x_n[j]
+                        z_b[j] = z_n[j]
                 else:
                     rigid = lengths[1, i]
                     x_before = x_now + _RHO * (x_1 - x_now) + lengths[3, i]
@@ -219,18 +291,23 @@ def compliant_states(
                 return i
             _, G_e, force, slope, elastic, taut, fl, fl_x, fv, fv_v, hold = here
             pull = fv + hold
-            x, z = rigid - e, held + take * elastic
+            x = rigid - e
+            z = held + take * elastic
             speed = (x - x_before) * per_h
-            e_0, e_1, e_2 = e_1, e_2, e
+            e_0 = e_1
+            e_1 = e_2
+            e_2 = e
             by_strain = strain_x = kept = strain_reach = 0.0
             if bridged and i > 0:
                 strain, strain_x, kept, strain_reach = bridge_strain(x - x_last, strain, reach)
                 by_strain = alpha * fl * holding / G_e
             x_last = x
             if stage == 0:
-                x_1, z_1 = x, z
+                x_1 = x
+                z_1 = z
             else:
-                x_now, z_now = x, z
+                x_now = x
+                z_now = z
                 states[LENGTH, i], states[ELONGATION, i], states[FORCE, i] = x, e, force
                 states[SPEED, i] = speed if i > 0 else 0.0
                 states[TISSUE, i] = max(elastic - z, 0.0)
@@ -245,7 +322,8 @@ def compliant_states(
             if size == 0:
                 continue
 
-            stiff, stretched = k * elastic, (x - x0) * elastic
+            stiff = k * elastic
+            stretched = (x - x0) * elastic
             relaxed[i_k], relaxed[i_x0] = take * stretched, -take * stiff
             relaxed[i_tau] = take_tau * elastic + keep_tau * z_before
             relaxed[i_rel] = take_rel * elastic + keep_rel * z_before
@@ -269,8 +347,10 @@ def compliant_states(
                 pulled[last + j] = slope * length_slopes[j, stage, i]
 
             share = 1.0 / G_e
-            by_start, by_held = alpha * fl * fv_v * per_h * share, taut * keep * share
-            by_active, taken = pulling * fl * pull * share, take * stiff
+            by_start = alpha * fl * fv_v * per_h * share
+            by_held = taut * keep * share
+            by_active = pulling * fl * pull * share
+            taken = take * stiff
             if bridged:  # what their strain changes by while the muscle stays
                 for j in range(size):
                     strained[j] = kept * strained[j] - strain_x * x_s[j]
@@ -280,14 +360,18 @@ def compliant_states(
                 direct[i_l0] += alpha * fl * hold / l0
             for j in range(size):
                 x_s[j] = (
-                    by_start * x_b[j] + by_held * z_b[j] - by_active * driven[j]
-                    + share * (direct[j] + pulled[j]) - by_strain * strained[j]
-                )  # fmt: skip
+                    by_start * x_b[j]
+                    + by_held * z_b[j]
+                    - by_active * driven[j]
+                    + share * (direct[j] + pulled[j])
+                    - by_strain * strained[j]
+                )
                 z_s[j] = keep * z_b[j] + taken * x_s[j] + relaxed[j]
                 strained[j] += strain_x * x_s[j]
             if stage == 1:
                 for j in range(size):
-                    x_n[j], z_n[j] = x_s[j], z_s[j]
+                    x_n[j] = x_s[j]
+                    z_n[j] = z_s[j]
                     jacobian[rows[j], i] += arm[i] * (pulled[j] - slope * x_s[j])
                 if len(seen) > 0:
                     for j in range(size):
@@ -297,9 +381,15 @@ def compliant_states(
 
 @jit
 def drive_columns(
-    inputs: FloatArray, first: IntArray, steps: FloatArray, back: IntArray, linear: FloatArray,
-    arm: FloatArray, keep: float, out: FloatArray,
-) -> None:  # fmt: skip
+    inputs: FloatArray,
+    first: IntArray,
+    steps: FloatArray,
+    back: IntArray,
+    linear: FloatArray,
+    arm: FloatArray,
+    keep: float,
+    out: FloatArray,
+) -> None:
     """How short changes of a group's excitation change its torque, to first order.
 
     Each goes through the activation filter and the linearised force balance (`compliant_states`).
@@ -322,9 +412,12 @@ def drive_columns(
         Is filled: the change of the torque [Nm] from sample `first` on.
     """
     n = len(arm)
-    v, w, a = np.empty(2), np.empty(2), np.empty(2)  # the filter's state for each stage's own delay
+    v = np.empty(2)
+    w = np.empty(2)
+    a = np.empty(2)  # the filter's state for each stage's own delay
     for c in range(len(first)):
-        begin, width = first[c], inputs.shape[1]
+        begin = first[c]
+        width = inputs.shape[1]
         v[0] = v[1] = w[0] = w[1] = 0.0
         x_n = z_n = strained = 0.0
         for t in range(out.shape[1]):
@@ -338,7 +431,8 @@ def drive_columns(
                 now = inputs[c, j] if 0 <= j < width else 0.0
                 a[stage] = 0.0
                 if j >= 0:
-                    to, on = steps[stage, 1, 0], steps[stage, 0, 0]
+                    to = steps[stage, 1, 0]
+                    on = steps[stage, 0, 0]
                     a[stage] = advanced(to[0], v[stage], w[stage], before, now)
                     v[stage], w[stage] = (
                         advanced(on[0], v[stage], w[stage], before, now),
@@ -348,17 +442,22 @@ def drive_columns(
                 continue
             strained = linear[0, KEPT, i] * strained - linear[0, STRAINED, i] * x_n
             x_s = (
-                linear[0, BY_START, i] * x_n + linear[0, BY_HELD, i] * z_n
-                - linear[0, BY_ACTIVE, i] * a[0] - linear[0, BY_STRAIN, i] * strained
-            )  # fmt: skip
+                linear[0, BY_START, i] * x_n
+                + linear[0, BY_HELD, i] * z_n
+                - linear[0, BY_ACTIVE, i] * a[0]
+                - linear[0, BY_STRAIN, i] * strained
+            )
             z_s = keep * z_n + linear[0, TAKEN, i] * x_s
-            x_b, z_b = x_n + _RHO * (x_s - x_n), z_n + _RHO * (z_s - z_n)
+            x_b = x_n + _RHO * (x_s - x_n)
+            z_b = z_n + _RHO * (z_s - z_n)
             strained += linear[0, STRAINED, i] * x_s
             strained = linear[1, KEPT, i] * strained - linear[1, STRAINED, i] * x_s
             x_n = (
-                linear[1, BY_START, i] * x_b + linear[1, BY_HELD, i] * z_b
-                - linear[1, BY_ACTIVE, i] * a[1] - linear[1, BY_STRAIN, i] * strained
-            )  # fmt: skip
+                linear[1, BY_START, i] * x_b
+                + linear[1, BY_HELD, i] * z_b
+                - linear[1, BY_ACTIVE, i] * a[1]
+                - linear[1, BY_STRAIN, i] * strained
+            )
             z_n = keep * z_b + linear[1, TAKEN, i] * x_n
             strained += linear[1, STRAINED, i] * x_n
             out[c, t] = -arm[i] * linear[1, STIFFNESS, i] * x_n

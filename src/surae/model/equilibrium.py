@@ -129,7 +129,8 @@ def solve(
         if not here[1] > 0.0:
             break
         # Halley's step, which saves about every fourth evaluation; Newton's where it would not be
-        G, square = here[0], here[1] * here[1]
+        G = here[0]
+        square = here[1] * here[1]
         bent = 0.5 * G * _curvature(here, step, muscle)
         if abs(bent) > 0.5 * square:
             bent = 0.0
@@ -143,7 +144,9 @@ def solve(
 @inner
 def _curvature(here: Balance, step: Step, muscle: Muscle) -> float:
     """Second derivative of the residual, as far as it is the force-velocity curve's [N/m²]."""
-    fl, fv, fv_v = here[6], here[8], here[9] * step[2]
+    fl = here[6]
+    fv = here[8]
+    fv_v = here[9] * step[2]
     if fv < 1.0:  # both branches of (17) are hyperbolas: f'' follows from f and f'
         return -step[5] * fl * 2.0 * fv_v * fv_v / (muscle[6] + fv)
     top = 1.0 + (1.0 + muscle[6] * MVSHL) * muscle[7]
@@ -156,9 +159,18 @@ def _corrected(here: Balance, change: float, k: float) -> Balance:
     force = max(here[2] + here[3] * change, 0.0)
     elastic = here[4] * (1.0 - k * change)
     return (
-        here[0] + here[1] * change, here[1], force, here[3], elastic, here[5], here[6],
-        here[7], here[8], here[9], here[10],
-    )  # fmt: skip
+        here[0] + here[1] * change,
+        here[1],
+        force,
+        here[3],
+        elastic,
+        here[5],
+        here[6],
+        here[7],
+        here[8],
+        here[9],
+        here[10],
+    )
 
 
 @inner
@@ -170,9 +182,11 @@ def _search(
     if here[0] == 0.0:
         return True, 0.0, here
     if here[0] > 0.0:  # both slack: the muscle takes up the slack at most at vmax
-        low, high = step[0] - step[1] + muscle[3] / step[2], 0.0
+        low = step[0] - step[1] + muscle[3] / step[2]
+        high = 0.0
     else:
-        low, high = 0.0, curve[0]
+        low = 0.0
+        high = curve[0]
         while balance(high, muscle, curve, step, bridges)[0] < 0.0:
             low = high
             high *= 2.0

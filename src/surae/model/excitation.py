@@ -89,9 +89,14 @@ class Excitation:
     """
 
     def __init__(
-        self, inputs: ModelInputs, options: ModelOptions, *, at: Mapping[str, int],
-        weights: tuple[str, ...], emg: FloatArray,
-    ) -> None:  # fmt: skip
+        self,
+        inputs: ModelInputs,
+        options: ModelOptions,
+        *,
+        at: Mapping[str, int],
+        weights: tuple[str, ...],
+        emg: FloatArray,
+    ) -> None:
         curved = "emg_shape" in at or "emg_power" in at
         #: ∂ê/∂ρ, shape (4, n); None where there is no release.
         self._by_release: FloatArray | None = None
@@ -107,7 +112,8 @@ class Excitation:
             rate = np.asarray(np.gradient(parts, 1.0 / inputs.rate_hz, axis=2))
             self._rate = rate.reshape(emg.shape)
         self._emg = np.array(emg, dtype=np.float64, order="C")
-        self._at, self._weights = at, [at[name] for name in weights]
+        self._at = at
+        self._weights = [at[name] for name in weights]
         corrections = ("emg_lag", *_RESTS, *CROSSTALK.values())
         self._corrections = {at[name] for name in corrections if name in at}
         curves = (at[name] for name in ("release", "emg_shape", "emg_power") if name in at)
@@ -142,7 +148,8 @@ class Excitation:
         return float(values[self._at[name]]) if name in self._at else 0.0
 
     def _envelopes(self, values: FloatArray) -> _Envelopes:
-        key, made = values[self._changing].tobytes(), self._made
+        key = values[self._changing].tobytes()
+        made = self._made
         if made is None or made[0] != key:
             made = self._made = key, self._envelopes_at(values)
         return made[1]
@@ -172,9 +179,12 @@ class Excitation:
             return _Envelopes(own + later, unmixed)
         n = own.shape[1] // 2
         curved, by_own, by_smooth, by_shape, by_power = shaped(
-            np.ascontiguousarray(own[:, :n]), np.ascontiguousarray(own[:, n:]), self._reference,
-            self._value(values, "emg_shape"), self._value(values, "emg_power"),
-        )  # fmt: skip
+            np.ascontiguousarray(own[:, :n]),
+            np.ascontiguousarray(own[:, n:]),
+            self._reference,
+            self._value(values, "emg_shape"),
+            self._value(values, "emg_power"),
+        )
         steep = np.concatenate([by_own, by_smooth], axis=1)
         return _Envelopes(curved + later, unmixed, steep, by_shape, by_power)
 
@@ -186,9 +196,11 @@ class Excitation:
     def _of_emg(
         self, group: int, values: FloatArray, envelopes: _Envelopes, wanted: frozenset[int]
     ) -> Drive:
-        channels, at = GROUPS[group], self._at
+        channels = GROUPS[group]
+        at = self._at
         columns = self._weights[channels]
-        weights, n = values[columns], envelopes.weighted.shape[1]
+        weights = values[columns]
+        n = envelopes.weighted.shape[1]
         grown = np.ones((len(columns), n))
         if self.log_gain is not None:
             grown = np.exp(self.log_gain[channels])
@@ -231,13 +243,15 @@ class Excitation:
     def _of_stretch(
         self, group: int, values: FloatArray, leg: LegMovement, wanted: frozenset[int]
     ) -> Drive:
-        at, muscle = self._at, leg.muscles[group]
+        at = self._at
+        muscle = leg.muscles[group]
         signal: FloatArray = np.zeros_like(muscle.speed)
         slopes: list[tuple[int, FloatArray]] = []
         for name, law in zip(_GAINS[group], (_of_speed, _of_length, _of_force), strict=True):
             if name not in at:
                 continue
-            gain, tissue = float(values[at[name]]), [at[n] for n in _TISSUE[group] if n in at]
+            gain = float(values[at[name]])
+            tissue = [at[n] for n in _TISSUE[group] if n in at]
             answered, by_speed, by_length, own = law(muscle, values[tissue])
             signal += gain * answered
             moving = zip(leg.columns, muscle.speed_slopes, muscle.length_slopes, strict=True)
@@ -264,7 +278,8 @@ def _of_length(muscle: MusclePath, tissue: FloatArray) -> _Answer:
 
 
 def _of_force(muscle: MusclePath, tissue: FloatArray) -> _Answer:
-    k, beyond = tissue[0], muscle.length - tissue[1]
+    k = tissue[0]
+    beyond = muscle.length - tissue[1]
     force = np.exp(k * beyond)
     return force, 0.0, k * force, (beyond * force, -k * force)
 

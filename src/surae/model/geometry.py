@@ -60,11 +60,13 @@ def muscle_length(
     slope : ndarray
         dx/dθ [m/rad].
     """
-    arm, (offset, bend) = moment_arm(angle, group), ARMS[group]
+    arm = moment_arm(angle, group)
+    (offset, bend) = ARMS[group]
     if options.geometry == "thesis":
         longest, factor = _LENGTHS[group]
         return longest - factor * arm, np.full_like(angle, -factor * bend)
-    sign, reference = _SIGNS[group], (options.x_ref_tri, options.x_ref_tib)[group]
+    sign = _SIGNS[group]
+    reference = (options.x_ref_tri, options.x_ref_tib)[group]
     return reference + sign * (offset * angle + 0.5 * bend * angle**2), sign * arm
 
 
@@ -86,9 +88,12 @@ class Path:
 
 
 def paths(
-    *, angle: FloatArray, velocity: FloatArray, options: ModelOptions,
+    *,
+    angle: FloatArray,
+    velocity: FloatArray,
+    options: ModelOptions,
     second: tuple[FloatArray, ...] = (),
-) -> tuple[Path, Path]:  # fmt: skip
+) -> tuple[Path, Path]:
     """Paths of both groups, triceps first; `second` is angle and velocity of a second joint."""
     if isinstance(options.geometry, GeometryTable):
         table = options.geometry
@@ -109,9 +114,13 @@ def _assumed(options: ModelOptions, group: int, angle: FloatArray, velocity: Flo
 
 
 def _of_table(
-    options: ModelOptions, table: GeometryTable, group: int, angle: FloatArray,
-    velocity: FloatArray, second: tuple[FloatArray, ...],
-) -> Path:  # fmt: skip
+    options: ModelOptions,
+    table: GeometryTable,
+    group: int,
+    angle: FloatArray,
+    velocity: FloatArray,
+    second: tuple[FloatArray, ...],
+) -> Path:
     """Path of a group by a table, whose lengths are those of muscle and tendon.
 
     Where it states no slack lengths, those of another joint's tendons are taken off; of the ankle's
@@ -161,11 +170,14 @@ class JointAxis:
     ) -> None:
         self._strap = strap
         self._cos, self._sin = np.cos(angle), np.sin(angle)
-        self._x, self._y = strap * self._cos - forward, strap * self._sin - up
-        self._x0, self._y0 = strap - forward, -up
+        self._x = strap * self._cos - forward
+        self._y = strap * self._sin - up
+        self._x0 = strap - forward
+        self._y0 = -up
         self._along = forward * self._cos + up * self._sin
         self._across = up * self._cos - forward * self._sin
-        self._at, self._inside = (forward, up), strap**2 - forward**2 - up**2
+        self._at = (forward, up)
+        self._inside = strap**2 - forward**2 - up**2
         self._square = self._x**2 + self._y**2  # of the distance from ankle to strap
         self.joint = JointAngle(
             np.arctan2(self._y, self._x) - np.arctan2(self._y0, self._x0),
@@ -175,17 +187,26 @@ class JointAxis:
 
     def slope(self, name: str) -> JointAngle:
         """Derivatives of `joint` by ``"angle"``, ``"forward"`` or ``"up"``."""
-        joint, (forward, up), strap = self.joint, self._at, self._strap
+        joint = self.joint
+        (forward, up) = self._at
+        strap = self._strap
         if name == "angle":
-            turned, along, across, inside = joint.factor, self._across, -self._along, 0.0
+            turned = joint.factor
+            along = self._across
+            across = -self._along
+            inside = 0.0
         else:
             square = self._x0**2 + self._y0**2
             if name == "forward":
                 turned = self._y / self._square - self._y0 / square
-                along, across, inside = self._cos, -self._sin, -2.0 * forward
+                along = self._cos
+                across = -self._sin
+                inside = -2.0 * forward
             else:
                 turned = self._x0 / square - self._x / self._square
-                along, across, inside = self._sin, self._cos, -2.0 * up
+                along = self._sin
+                across = self._cos
+                inside = -2.0 * up
         farther = -(inside + 2.0 * strap * along) / self._square  # of the square's logarithm
         bend = strap * (across * self._inside + self._across * inside) / self._square**2
         return JointAngle(

@@ -36,7 +36,8 @@ _SOURCE = re.compile(r"#\s*source\s*[:=]\s*(.*?)\s*")
 _ANALYSIS = re.compile(r"(.*)_MuscleAnalysis_(?:Length|MomentArm_\w+)\.sto", re.IGNORECASE)
 
 #: A knee that turns by less is still [rad]; digits to which angles of a grid are the same.
-_STILL, _DIGITS = 1e-3, 6
+_STILL = 1e-3
+_DIGITS = 6
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
@@ -66,7 +67,8 @@ def geometry_of_text(name: str, text: str) -> GeometryTable:
 def geometry_of(source: Source) -> GeometryTable:
     """The geometry in a CSV; see `read_geometry`."""
     table = delimited.open_table(source)
-    where, name = source.shown, Path(source.path).name
+    where = source.shown
+    name = Path(source.path).name
     angles, seconds = (
         [n for n in table.names if n in (f"{of}_rad", f"{of}_deg")]
         for of in ("angle", "second_angle")
@@ -105,13 +107,19 @@ def _notes(source: Source) -> dict[str, float]:
 
 
 def _table(
-    name: str, source: Source, angle: FloatArray, second: FloatArray | None, columns: Columns,
+    name: str,
+    source: Source,
+    angle: FloatArray,
+    second: FloatArray | None,
+    columns: Columns,
     stated: str,
-) -> GeometryTable:  # fmt: skip
+) -> GeometryTable:
     """Both groups, from columns of groups or of their muscles."""
-    where, notes = source.shown, _notes(source)
+    where = source.shown
+    notes = _notes(source)
     angle, seconds, order = _grid(angle, second, where)
-    lengths, arms = [], []
+    lengths = []
+    arms = []
     for group, shares, sign in zip(_GROUPS, _SHARES, (1.0, -1.0), strict=True):
         length, arm = (
             None if found is None else found[order]
@@ -135,9 +143,15 @@ def _table(
         arms.append(tuple(arm.ravel().tolist()))
     slack = {f"slack_{group}" for group in _GROUPS} <= notes.keys()
     table = GeometryTable(
-        name, tuple(angle.tolist()), (lengths[0], lengths[1]), (arms[0], arms[1]),
-        notes.get("tolerance", TOLERANCE), slack, stated, tuple(seconds.tolist()),
-    )  # fmt: skip
+        name,
+        tuple(angle.tolist()),
+        (lengths[0], lengths[1]),
+        (arms[0], arms[1]),
+        notes.get("tolerance", TOLERANCE),
+        slack,
+        stated,
+        tuple(seconds.tolist()),
+    )
     return table.held(notes["second_angle"]) if "second_angle" in notes else table
 
 
@@ -148,8 +162,10 @@ def _grid(
     if second is None:
         order = np.argsort(angle, kind="stable")
         return angle[order], np.zeros(0), order
-    angles, seconds = np.unique(angle), np.unique(second)
-    n, k = len(angles), len(seconds)
+    angles = np.unique(angle)
+    seconds = np.unique(second)
+    n = len(angles)
+    k = len(seconds)
     if not n * k == len(angle) == len({*zip(angle, second, strict=True)}):
         raise InputError(
             f"{where}: {len(angle)} rows of {n} angles and {k} second angles; give one row for "
@@ -228,6 +244,10 @@ def _of_opensim(path: Path) -> GeometryTable:
     kept = np.unique(pairs, axis=0, return_index=True)[1]
     columns = {key: values[kept] for key, values in columns.items()}
     return _table(
-        path.name, length, angle[kept], None if second is None else second[kept], columns,
+        path.name,
+        length,
+        angle[kept],
+        None if second is None else second[kept],
+        columns,
         f"OpenSim, {prefix}",
-    )  # fmt: skip
+    )

@@ -59,7 +59,8 @@ class GeometryTable:
 
     def __post_init__(self) -> None:
         """Refuse what is no geometry."""
-        n, seconds = len(self.angle), len(self.second)
+        n = len(self.angle)
+        seconds = len(self.second)
         if n < 4 or 0 < seconds < 3:
             few = f" and {seconds} second ones" if seconds else ""
             raise InputError(
@@ -96,20 +97,32 @@ class GeometryTable:
         within = beyond == 0.0
         if not table.second:
             length, arm = _splines(table, group)
-            slope, nothing = length(inside, 1), 0.0 * beyond
+            slope = length(inside, 1)
+            nothing = 0.0 * beyond
             return (
-                length(inside) + slope * beyond, slope, within * length(inside, 2), arm(inside),
-                within * arm(inside, 1), nothing, nothing,
-            )  # fmt: skip
+                length(inside) + slope * beyond,
+                slope,
+                within * length(inside, 2),
+                arm(inside),
+                within * arm(inside, 1),
+                nothing,
+                nothing,
+            )
         assert second is not None
         length, arm = _surfaces(table, group)
         kept = second.clip(self.second[0], self.second[-1])
         slope, across, turn = (length.ev(inside, kept, *by) for by in ((1, 0), (0, 1), (1, 1)))
-        across, turn = (kept == second) * across, (kept == second) * turn
+        across = (kept == second) * across
+        turn = (kept == second) * turn
         return (
-            length.ev(inside, kept) + slope * beyond, slope, within * length.ev(inside, kept, 2, 0),
-            arm.ev(inside, kept), within * arm.ev(inside, kept, 1, 0), across + turn * beyond, turn,
-        )  # fmt: skip
+            length.ev(inside, kept) + slope * beyond,
+            slope,
+            within * length.ev(inside, kept, 2, 0),
+            arm.ev(inside, kept),
+            within * arm.ev(inside, kept, 1, 0),
+            across + turn * beyond,
+            turn,
+        )
 
     def held(self, second: float | None = None) -> "GeometryTable":
         """The table with the second joint still at an angle [rad], by default the middle one."""
@@ -134,7 +147,8 @@ class GeometryTable:
     @property
     def travels_far(self) -> bool:
         """Whether the triceps travels as by virtual work, not as little as equation (9) says."""
-        length, (low, high) = self.held().length[0], self.range
+        length = self.held().length[0]
+        (low, high) = self.range
         travel = sum(abs(b - a) for a, b in pairwise(length))
         return travel > _FAR * (high - low)
 
@@ -181,7 +195,8 @@ class GeometryTable:
             moves += [("second joint", inputs.second[0], (self.second[0], self.second[-1]))]
         counted = [angle[inputs.counts] for _, angle, _ in moves]
         for (joint, _, known), angle in zip(moves, counted, strict=True):
-            low, high = float(angle.min()), float(angle.max())
+            low = float(angle.min())
+            high = float(angle.max())
             if low < known[0] - _BEYOND or high > known[1] + _BEYOND:
                 moved, has = (
                     "{:.3g}° to {:.3g}°".format(*map(math.degrees, ends))

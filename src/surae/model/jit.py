@@ -37,7 +37,8 @@ _KERNEL_FOLDERS = ("model", "inference", "protocol/planning")
 #: What a source that has kernels says; they may take constants from such sources only.
 _IMPORT = b"from surae.model.jit import "
 #: So many folders are kept, and any that was used within so many days.
-_KEPT, _KEPT_DAYS = 3, 2.0
+_KEPT = 3
+_KEPT_DAYS = 2.0
 
 
 @cache

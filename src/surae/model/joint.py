@@ -112,19 +112,30 @@ class Joint:
 
 def _words(joint: Joint) -> dict[str, str]:
     """What the ankle's words are for a joint."""
-    group, (first, second) = joint.groups[0], joint.short
+    group = joint.groups[0]
+    (first, second) = joint.short
     muscles = zip(ANKLE.muscles[1:], joint.muscles[1:], strict=True)
     heads = [muscle for muscle in joint.muscles[1:] if muscle]
     return {
-        "ankle": joint.name, "ankles": f"{joint.name}s", "leg": joint.body,
-        "legs": f"{joint.body}s", "foot": joint.limb, "footplate": f"{joint.limb} plate",
-        "triceps surae": group, "calf": group, "calf muscles": group, "triceps": first,
-        "achilles tendon": f"tendon of the {group}", "tibialis anterior": joint.groups[1],
-        "perpendicular to the shank": "at 0°", "tibialis": second,
-        "soleus and both gastrocnemii": " and ".join(heads), "gastrocnemius": heads[-1],
+        "ankle": joint.name,
+        "ankles": f"{joint.name}s",
+        "leg": joint.body,
+        "legs": f"{joint.body}s",
+        "foot": joint.limb,
+        "footplate": f"{joint.limb} plate",
+        "triceps surae": group,
+        "calf": group,
+        "calf muscles": group,
+        "triceps": first,
+        "achilles tendon": f"tendon of the {group}",
+        "tibialis anterior": joint.groups[1],
+        "perpendicular to the shank": "at 0°",
+        "tibialis": second,
+        "soleus and both gastrocnemii": " and ".join(heads),
+        "gastrocnemius": heads[-1],
         **{of: own or "no muscle" for of, own in muscles},
         **dict(zip(ANKLE.directions, joint.directions, strict=True)),
-    }  # fmt: skip
+    }
 
 
 def _as(written: str, own: str) -> str:
@@ -134,29 +145,48 @@ def _as(written: str, own: str) -> str:
 
 #: The ankle, by the thesis: la of equation (6), lt0 of Table 2.
 ANKLE = Joint(
-    name="ankle", body="leg", limb="foot",
-    groups=("triceps surae", "tibialis anterior"), short=("triceps", "tibialis"),
+    name="ankle",
+    body="leg",
+    limb="foot",
+    groups=("triceps surae", "tibialis anterior"),
+    short=("triceps", "tibialis"),
     muscles=(
-        "tibialis anterior", "gastrocnemius lateralis", "soleus", "gastrocnemius medialis",
+        "tibialis anterior",
+        "gastrocnemius lateralis",
+        "soleus",
+        "gastrocnemius medialis",
     ),
     directions=("dorsiflexion", "plantarflexion"),
-    distance=0.15, slack=(0.415, 0.216), source="van de Poll (2015)",
-    words=FrozenDict({
-        language: FrozenDict({word: word for word in words.split("|")})
-        for language, words in (
-            ("nl", "enkel|kuit|kuitkracht|tibialis|soleus en beide gastrocnemii|dorsaalflexie|"
-                   "plantairflexie|been|benen|voet|voetplaat"),
-            ("de", "Sprunggelenk|Sprunggelenks|Wade|Wadenkraft|Tibialis|"
-                   "Soleus und beide Gastrocnemii|Dorsalextension|Plantarflexion|dieses Bein|"
-                   "dieses Beins|des Beins|erstes Bein|zweites Bein|das andere Bein|"
-                   "Bein|Beine|den Fuß|des Fußes|Fuß|Fußplatte"),
-            ("fr", "la cheville|mollet|du mollet|tibial|du tibial|"
-                   "le soléaire et les deux gastrocnémiens|flexion dorsale|de flexion dorsale|"
-                   "flexion plantaire|de flexion plantaire|première jambe|deuxième jambe|"
-                   "les jambes|la jambe|cette jambe|l’autre jambe|jambe|le pied|du pied"),
-        )
-    }),
-)  # fmt: skip
+    distance=0.15,
+    slack=(0.415, 0.216),
+    source="van de Poll (2015)",
+    words=FrozenDict(
+        {
+            language: FrozenDict({word: word for word in words.split("|")})
+            for language, words in (
+                (
+                    "nl",
+                    "enkel|kuit|kuitkracht|tibialis|soleus en beide gastrocnemii|dorsaalflexie|"
+                    "plantairflexie|been|benen|voet|voetplaat",
+                ),
+                (
+                    "de",
+                    "Sprunggelenk|Sprunggelenks|Wade|Wadenkraft|Tibialis|"
+                    "Soleus und beide Gastrocnemii|Dorsalextension|Plantarflexion|dieses Bein|"
+                    "dieses Beins|des Beins|erstes Bein|zweites Bein|das andere Bein|"
+                    "Bein|Beine|den Fuß|des Fußes|Fuß|Fußplatte",
+                ),
+                (
+                    "fr",
+                    "la cheville|mollet|du mollet|tibial|du tibial|"
+                    "le soléaire et les deux gastrocnémiens|flexion dorsale|de flexion dorsale|"
+                    "flexion plantaire|de flexion plantaire|première jambe|deuxième jambe|"
+                    "les jambes|la jambe|cette jambe|l’autre jambe|jambe|le pied|du pied",
+                ),
+            )
+        }
+    ),
+)
 
 
 @cache

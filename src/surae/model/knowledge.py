@@ -28,7 +28,10 @@ _LENGTH = 0.0025
 #: foot's length explains half (Waugh et al. 2011), and published legs of one height by 8 to 14 %.
 #: What paths travel is as unknown as of any leg. Arms are assumed of men of so many cm, whose feet
 #: are a part of that (Drillis and Contini 1966).
-SCALED_SD, _TRAVEL, _HEIGHT, _FOOT = 8.0, 30.0, 175.0, 0.152
+SCALED_SD = 8.0
+_TRAVEL = 30.0
+_HEIGHT = 175.0
+_FOOT = 0.152
 #: What a plate that was tared elsewhere leaves: inertia [kg·m²] and weight [Nm], a tenth of what an
 #: untared one has; assumed.
 _TARED = (0.003, 0.5)
@@ -36,7 +39,8 @@ _TARED = (0.003, 0.5)
 #: seat is reclined by some 30° [Nm]; assumed.
 _SEAT = 0.5
 #: What a tare leaves at least, and the part of both that a foot strapped in may move.
-_LEAST, _PART = (5e-4, 0.1), 0.03
+_LEAST = (5e-4, 0.1)
+_PART = 0.03
 
 
 @filed(sparse=("file", "values", "sds", "range", "residual"))
@@ -55,7 +59,8 @@ class Plate:
     @property
     def left(self) -> tuple[float, float]:
         """What taking it away leaves, standard deviations: inertia [kg·m²] and weight [Nm]."""
-        inertia, weight = self.values[0], math.hypot(*self.values[1:3])
+        inertia = self.values[0]
+        weight = math.hypot(*self.values[1:3])
         # how cos θ and the zero share a torque does not matter: both are taken away
         return (
             max(_LEAST[0], self.sds[0], _PART * abs(inertia)),
@@ -76,45 +81,68 @@ class Plate:
 
 
 @filed(
-    "table", strict=True, sparse=(
-        "geometry", "geometry_of", "geometry_sd_percent", "geometry_arms_mm", "height_cm",
-        "foot_mm", "arm_tri_mm", "arm_tib_mm", "crosstalk", "crosstalk_of", "doubts",
+    "table",
+    strict=True,
+    sparse=(
+        "geometry",
+        "geometry_of",
+        "geometry_sd_percent",
+        "geometry_arms_mm",
+        "height_cm",
+        "foot_mm",
+        "arm_tri_mm",
+        "arm_tib_mm",
+        "crosstalk",
+        "crosstalk_of",
+        "doubts",
     ),
-)  # fmt: skip
+)
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Knowledge(Request):
     """What is known beforehand, as a session's steps and its `session.toml` give it."""
 
     angle_zero_deg: StatedZero | None = setting(
-        None, "Angle of the ankle, from neutral, where the recordings say 0 [deg].",
+        None,
+        "Angle of the ankle, from neutral, where the recordings say 0 [deg].",
         label=N_("Ankle’s angle where the recordings say 0 [°]"),
-    )  # fmt: skip
+    )
     axis_mm: StatedAxis | None = setting(
-        None, "How far the ankle's axis lies before the device's [mm], or before and above it.",
+        None,
+        "How far the ankle's axis lies before the device's [mm], or before and above it.",
         label=N_("Ankle’s axis before the device’s [mm]"),
-    )  # fmt: skip
+    )
     #: The empty device, as it was recorded; None where its plate is not known.
     plate: Plate | None = setting(None, "The empty device: by itself one that was tared before.")
     geometry: str = ""  #: Name of the file of lengths and moment arms.
     geometry_of: str = GEOMETRY_OF[0]
     geometry_sd_percent: float | None = setting(
-        None, "Standard deviation of the scale of a person's own lengths and moment arms [%].",
-        above=0.0, most=50.0, label=N_("Geometry, scale ± [%]"),
-    )  # fmt: skip
+        None,
+        "Standard deviation of the scale of a person's own lengths and moment arms [%].",
+        above=0.0,
+        most=50.0,
+        label=N_("Geometry, scale ± [%]"),
+    )
     #: Arms of that file, triceps and tibialis, with the foot perpendicular to the shank.
     geometry_arms_mm: tuple[float, float] | None = None
     height_cm: float | None = setting(
-        None, "Body height [cm]: the assumed moment arms and paths grow with it.", least=130.0,
-        most=230.0, label=N_("Body height [cm]"),
-    )  # fmt: skip
+        None,
+        "Body height [cm]: the assumed moment arms and paths grow with it.",
+        least=130.0,
+        most=230.0,
+        label=N_("Body height [cm]"),
+    )
     foot_mm: float | None = setting(
-        None, "Length of the foot [mm], which goes before the height.", least=200.0, most=350.0,
+        None,
+        "Length of the foot [mm], which goes before the height.",
+        least=200.0,
+        most=350.0,
         label=N_("Foot length [mm]"),
-    )  # fmt: skip
+    )
     arm_tri_mm: StatedArm | None = setting(
-        None, "Moment arm of the Achilles tendon, by its excursion [mm].",
+        None,
+        "Moment arm of the Achilles tendon, by its excursion [mm].",
         label=N_("Arm of the Achilles tendon [mm]"),
-    )  # fmt: skip
+    )
     arm_tib_mm: StatedArm | None = setting(
         None, "That of the tibialis's tendon [mm].", label=N_("Arm of the tibialis’s tendon [mm]")
     )
@@ -140,8 +168,11 @@ class Knowledge(Request):
 
     def filled(self, other: "Knowledge") -> "Knowledge":
         """The same, with what it does not say from another."""
-        unsaid = {f.name: getattr(other, f.name) for f in fields(self)
-                  if f.name != "geometry_of" and not getattr(self, f.name)}  # fmt: skip
+        unsaid = {
+            f.name: getattr(other, f.name)
+            for f in fields(self)
+            if f.name != "geometry_of" and not getattr(self, f.name)
+        }
         whose = other.geometry_of if not self.geometry else self.geometry_of
         return replace(self, **unsaid, geometry_of=whose)
 
@@ -189,15 +220,20 @@ class Knowledge(Request):
     @property
     def groups(self) -> frozenset[str]:
         """Groups of nuisances of which something is known: these are in every fit."""
-        known = {"axis": self.axis_mm, "plate": self.plate, "crosstalk": self.crosstalk,
-                 "arm": self.size or "arms" in self.statements}  # fmt: skip
+        known = {
+            "axis": self.axis_mm,
+            "plate": self.plate,
+            "crosstalk": self.crosstalk,
+            "arm": self.size or "arms" in self.statements,
+        }
         return frozenset(group for group, stated in known.items() if stated)
 
     def nuisances(self) -> dict[str, tuple[float, float]]:
         """Priors, mean and standard deviation, by parameter, in SI units."""
         from surae.model.parameters import OPTIONAL
 
-        priors, made = dict[str, tuple[float, float]](), self.statements
+        priors = dict[str, tuple[float, float]]()
+        made = self.statements
         if "axis" in made:
             ways = zip(OPTIONAL["axis"], made["axis"].numbers.values(), strict=True)
             priors |= {name: (value / 1e3, sd / 1e3) for name, (value, sd) in ways}
@@ -211,7 +247,8 @@ class Knowledge(Request):
             scales = [n for n in OPTIONAL["arm"] if n.startswith(tuple(sds))]
             priors |= {name: (math.log(self.size), sds[name[:-4]] / 100.0) for name in scales}
         if "arms" in made:
-            usual, arms = self.usual, made["arms"]
+            usual = self.usual
+            arms = made["arms"]
             for group, (arm, sd) in arms.numbers.items():
                 scale = math.log(arm / usual[group]), sd / arm
                 priors[f"arm_scale_{group}"] = scale

@@ -24,7 +24,8 @@ from surae.signals import Preparation, prepare
 from surae.signals.selective import crosstalk
 
 #: The file in a session's folder, and what it calls a plate that was taken away before.
-SESSION_TOML, TARED = "session.toml", "tared"
+SESSION_TOML = "session.toml"
+TARED = "tared"
 
 
 @filed(strict=True)
@@ -91,25 +92,32 @@ def read_session_toml(path: PathLike) -> SessionFile:
 def _stated(said: SessionFile) -> Knowledge:
     """What it says itself, without any step."""
     k = said.knowledge
-    sd, own = k.geometry_sd_percent, k.geometry_of == GEOMETRY_OF[1]
+    sd = k.geometry_sd_percent
+    own = k.geometry_of == GEOMETRY_OF[1]
     if said.geometry is None and (own or (sd is not None and not k.size)):
         raise InputError("geometry_of and geometry_sd_percent have no effect without geometry")
     return replace(
-        k, plate=None if said.plate is None else Plate(), geometry=Path(said.geometry or "").name,
+        k,
+        plate=None if said.plate is None else Plate(),
+        geometry=Path(said.geometry or "").name,
         geometry_sd_percent=GEOMETRY_SD if sd is None and own else sd,
-    )  # fmt: skip
+    )
 
 
 def known_from(
-    said: SessionFile, recordings: Mapping[str, Recording] | None = None,
-    kinds: Mapping[str, str] | None = None, *, read: Callable[[Path], Recording] = read,
-) -> Knowledge:  # fmt: skip
+    said: SessionFile,
+    recordings: Mapping[str, Recording] | None = None,
+    kinds: Mapping[str, str] | None = None,
+    *,
+    read: Callable[[Path], Recording] = read,
+) -> Knowledge:
     """What the file states, its geometry, and the tare and crosstalk that steps show.
 
     `recordings` are trials that are read already, and `kinds` what each is; by default those that
     the file names, as `read` reads them.
     """
-    plate, known = said.plate, said.knowledge
+    plate = said.plate
+    known = said.knowledge
     there = dict(recordings or {})
     if recordings is None:
         kinds = dict(said.trials)

@@ -8,11 +8,14 @@ from surae.model.source import Gaussian, Nuisance
 from surae.model.sources import NUISANCES
 
 #: The name under which the family of models is asked for, and its rigid and compliant member.
-AUTO, RIGID, COMPLIANT = "auto", "muscle", "muscle-tendon-strain"
+AUTO = "auto"
+RIGID = "muscle"
+COMPLIANT = "muscle-tendon-strain"
 #: The prior of what there is not.
 _NOTHING = Gaussian(0.0, 0.0)
 #: What `nuisances` may be beside a mapping.
-ALL, NONE = "all", "none"
+ALL = "all"
+NONE = "none"
 _NUISANCES: dict[str, Nuisance] = {g: s.nuisance for g, s in NUISANCES.items() if s.nuisance}
 #: Parameters of each group of nuisances; a group is in a model as a whole or not at all.
 GROUPS = {group: nuisance.parameters for group, nuisance in _NUISANCES.items()}
@@ -39,9 +42,13 @@ def richest(model: str) -> str:
 
 
 def laboratory(
-    nuisances: str | Mapping[str, tuple[float, float]] = ALL, quiet: Sequence[float] | None = None,
-    *, measured: bool = False, mounted: bool = True, joint: Joint = ANKLE,
-) -> dict[str, Gaussian]:  # fmt: skip
+    nuisances: str | Mapping[str, tuple[float, float]] = ALL,
+    quiet: Sequence[float] | None = None,
+    *,
+    measured: bool = False,
+    mounted: bool = True,
+    joint: Joint = ANKLE,
+) -> dict[str, Gaussian]:
     """The priors of all nuisances, by parameter.
 
     `nuisances` is ``"all"``, ``"none"``, or other priors, (mean, sd), for groups or parameters; the

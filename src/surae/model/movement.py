@@ -63,7 +63,8 @@ def gravity_torque(
     return GRAVITY * distance * np.cos(turned), -GRAVITY * distance * np.sin(turned)
 
 
-_AXIS, _GIVE = OPTIONAL["axis"], "plate_give"
+_AXIS = OPTIONAL["axis"]
+_GIVE = "plate_give"
 #: What turns the joint, and what it is to `JointAxis`.
 _TURNING = {"angle_zero": "angle", **dict(zip(_AXIS, ("forward", "up"), strict=True)), _GIVE: ""}
 #: What changes a muscle's path, and the same by group.
@@ -108,7 +109,8 @@ class Movement:
     """
 
     def __init__(self, inputs: ModelInputs, options: ModelOptions, at: Mapping[str, int]) -> None:
-        self._inputs, self._options = inputs, options
+        self._inputs = inputs
+        self._options = options
         self._at = {name: at[name] for name in _MOVING if name in at}
         self._pull = self._pull_rate = np.zeros(inputs.n)
         self._made: tuple[object, LegMovement] | None = None  # the last one, and of what
@@ -125,20 +127,24 @@ class Movement:
         """The movement at these parameters, with its derivatives by the wanted columns."""
         turns = {name: float(values[column]) for name, column in self._at.items()}
         columns = {name: column for name, column in self._at.items() if column in wanted}
-        key, made = (turns, columns), self._made
+        key = (turns, columns)
+        made = self._made
         if made is None or made[0] != key:
             made = self._made = key, self._moved(turns, columns)
         return made[1]
 
     def _moved(self, given: Mapping[str, float], columns: Mapping[str, int]) -> LegMovement:
-        inputs, options = self._inputs, self._options
-        velocity, acceleration = inputs.velocity, inputs.acceleration
+        inputs = self._inputs
+        options = self._options
+        velocity = inputs.velocity
+        acceleration = inputs.acceleration
         distance = options.anatomy.distance
         angle = inputs.angle + given.get("angle_zero", 0.0)
         if _GIVE in given:
             angle = angle - given[_GIVE] * self._pull
             velocity = velocity - given[_GIVE] * self._pull_rate
-        still, same = np.zeros_like(angle), np.ones_like(angle)
+        still = np.zeros_like(angle)
+        same = np.ones_like(angle)
         turning = [name for name in columns if name in _TURNING]
         joint = JointAngle(angle, same, still)
         slopes = [JointAngle(same, still, still)] * len(turning)
@@ -150,7 +156,8 @@ class Movement:
             slopes = [axis.slope(_TURNING[name] or "angle") for name in turning]
         rates = [still] * len(turning)  # what the device's own speed changes by
         if _GIVE in turning:
-            at, back = turning.index(_GIVE), -self._pull
+            at = turning.index(_GIVE)
+            back = -self._pull
             by = slopes[at]
             slopes[at] = JointAngle(by.angle * back, by.factor * back, by.bend * back)
             rates[at] = -self._pull_rate
@@ -168,11 +175,14 @@ class Movement:
             swung = inertia_torque(acceleration=swung, distance=distance)
             row += joint.factor * (swung + falling * by.angle)
         plain = paths(
-            angle=joint.angle, velocity=joint.factor * velocity, options=options,
+            angle=joint.angle,
+            velocity=joint.factor * velocity,
+            options=options,
             second=inputs.second,
-        )  # fmt: skip
+        )
         rest = paths(angle=np.zeros(1), velocity=np.zeros(1), options=options)
-        muscles, turned = [], (joint.angle, joint.factor * velocity)
+        muscles = []
+        turned = (joint.angle, joint.factor * velocity)
         for group, path in enumerate(plain):
             bent, by_own = _own_path(path, float(rest[group].length[0]), *turned, given, group)
             arm, length, speed = np.zeros((3, len(columns), inputs.n))
@@ -181,7 +191,8 @@ class Movement:
                     arm[row], length[row], speed[row] = by_own[name]
                     arm[row] *= joint.factor
                 elif name in turning:
-                    by, rate = slopes[turning.index(name)], rates[turning.index(name)]
+                    by = slopes[turning.index(name)]
+                    rate = rates[turning.index(name)]
                     arm[row] = by.factor * bent.arm + joint.factor * bent.arm_slope * by.angle
                     length[row] = bent.slope * by.angle
                     speed[row] = (
@@ -192,15 +203,22 @@ class Movement:
                 MusclePath(joint.factor * bent.arm, bent.length, bent.speed, arm, length, speed)
             )
         return LegMovement(
-            joint.factor * inertia, joint.factor * gravity, (muscles[0], muscles[1]),
-            columns=tuple(columns.values()), limb_slopes=limb_slopes,
-        )  # fmt: skip
+            joint.factor * inertia,
+            joint.factor * gravity,
+            (muscles[0], muscles[1]),
+            columns=tuple(columns.values()),
+            limb_slopes=limb_slopes,
+        )
 
 
 def _own_path(
-    path: Path, at_rest: float, angle: FloatArray, velocity: FloatArray,
-    given: Mapping[str, float], group: int,
-) -> tuple[Path, dict[str, tuple[FloatArray, FloatArray, FloatArray]]]:  # fmt: skip
+    path: Path,
+    at_rest: float,
+    angle: FloatArray,
+    velocity: FloatArray,
+    given: Mapping[str, float],
+    group: int,
+) -> tuple[Path, dict[str, tuple[FloatArray, FloatArray, FloatArray]]]:
     """A group's path with an arm and a length of its own, and its derivatives by what they are.
 
     r' = r·e^scale·(1 + slope·θ + bend·θ²),  x' = x(0) + length_zero + e^path·(x − x(0)) + turn·θ².
@@ -211,19 +229,28 @@ def _own_path(
     if not any(name in given for name in names):
         return path, {}
     scale, slope, bend, longer, turn, zero = (given.get(name, 0.0) for name in names)
-    grown, still = np.exp(scale), np.zeros_like(angle)
+    grown = np.exp(scale)
+    still = np.zeros_like(angle)
     bent = grown * (1.0 + slope * angle + bend * angle**2)
-    arm, stretch = bent * path.arm, np.exp(longer)
-    travel, speed = stretch * (path.length - at_rest), stretch * path.speed
+    arm = bent * path.arm
+    stretch = np.exp(longer)
+    travel = stretch * (path.length - at_rest)
+    speed = stretch * path.speed
     own = Path(
-        arm, at_rest + zero + travel + turn * angle**2, speed + 2.0 * turn * angle * velocity,
-        stretch * path.slope + 2.0 * turn * angle, stretch * path.bend + 2.0 * turn,
+        arm,
+        at_rest + zero + travel + turn * angle**2,
+        speed + 2.0 * turn * angle * velocity,
+        stretch * path.slope + 2.0 * turn * angle,
+        stretch * path.bend + 2.0 * turn,
         path.arm_slope * bent + grown * path.arm * (slope + 2.0 * bend * angle),
         stretch * path.swept,
-    )  # fmt: skip
+    )
     by = (
-        (arm, still, still), (grown * angle * path.arm, still, still),
-        (grown * angle**2 * path.arm, still, still), (still, travel, speed),
-        (still, angle**2, 2.0 * angle * velocity), (still, np.ones_like(angle), still),
-    )  # fmt: skip
+        (arm, still, still),
+        (grown * angle * path.arm, still, still),
+        (grown * angle**2 * path.arm, still, still),
+        (still, travel, speed),
+        (still, angle**2, 2.0 * angle * velocity),
+        (still, np.ones_like(angle), still),
+    )
     return own, {name: slopes for name, slopes in zip(names, by, strict=True) if name in given}

@@ -42,8 +42,17 @@ class MuscleSimulator(Simulator):
         columns = GROUP_COLUMNS[group]
         own = p[columns]
         rigid_torque(
-            own, into.slots[columns], np.stack([muscle.arm, muscle.length, muscle.speed]),
-            np.stack([muscle.arm_slopes, muscle.length_slopes, muscle.speed_slopes]), into.turned,
-            *exponentials(own, muscle.length), active.alpha[0], active.slopes[:, 0],
-            into.slots[active.columns], self._factor, self._dt, into.torque, into.jacobian,
-        )  # fmt: skip
+            own,
+            into.slots[columns],
+            np.stack([muscle.arm, muscle.length, muscle.speed]),
+            np.stack([muscle.arm_slopes, muscle.length_slopes, muscle.speed_slopes]),
+            into.turned,
+            *exponentials(own, muscle.length),
+            active.alpha[0],
+            active.slopes[:, 0],
+            into.slots[active.columns],
+            self._factor,
+            self._dt,
+            into.torque,
+            into.jacobian,
+        )

@@ -66,7 +66,8 @@ class DriveResponse:
         back are `size` samples from there on, (c, size) [Nm], or `lengths` of the group [m].
         """
         group = int(muscle == 0)
-        n, width = self.drives.shape[1], shapes.shape[1]
+        n = self.drives.shape[1]
+        width = shapes.shape[1]
         at = np.minimum(first[:, None] + np.arange(width), n - 1)
         inputs = np.where(first[:, None] + np.arange(width) < n, self.drives[muscle][at], 0.0)
         out = np.empty((len(first), size))
@@ -125,10 +126,17 @@ class MuscleTendonSimulator(Simulator):
         first = [int(group.argmax()) if group.any() else None for group in wrong]
         length, speed, elongation, force, tissue = np.swapaxes(states, 0, 1)
         return TendonState(
-            read_only(length), read_only(speed), read_only(self._slack[:, None] + elongation),
-            read_only(elongation), read_only(speeds - speed), read_only(force), read_only(tissue),
-            read_only(force - tissue), (self._law(p, 0), self._law(p, 1)), (first[0], first[1]),
-        )  # fmt: skip
+            read_only(length),
+            read_only(speed),
+            read_only(self._slack[:, None] + elongation),
+            read_only(elongation),
+            read_only(speeds - speed),
+            read_only(force),
+            read_only(tissue),
+            read_only(force - tissue),
+            (self._law(p, 0), self._law(p, 1)),
+            (first[0], first[1]),
+        )
 
     def muscles(self, values: FloatArray) -> FloatArray:
         """Muscle length [m], tendon elongation [m] and force [N] of both groups, (3, 2, n)."""
@@ -174,18 +182,32 @@ class MuscleTendonSimulator(Simulator):
         linear = np.empty((0, compliant.LINEAR, 0)) if into.linear is None else into.linear[group]
         seen = np.empty((0, 0)) if into.seen is None else into.seen[group]
         compliant.compliant_states(
-            np.append(p, 0.0)[columns], np.append(into.slots, len(into.jacobian) - 1)[columns],
-            float(self._strain_lengths[group]), muscle.arm, lengths, active.alpha, active.slopes,
-            into.slots[active.columns], slopes, into.turned[moving], self._factor, self._dt,
-            self.rest, states, into.jacobian, linear, seen,
-        )  # fmt: skip
+            np.append(p, 0.0)[columns],
+            np.append(into.slots, len(into.jacobian) - 1)[columns],
+            float(self._strain_lengths[group]),
+            muscle.arm,
+            lengths,
+            active.alpha,
+            active.slopes,
+            into.slots[active.columns],
+            slopes,
+            into.turned[moving],
+            self._factor,
+            self._dt,
+            self.rest,
+            states,
+            into.jacobian,
+            linear,
+            seen,
+        )
         return states
 
     def tangent(
         self, values: FloatArray, columns: Sequence[int], *, lengths: bool = False
     ) -> Tangent:
         """The model and its derivatives by columns and drives, of `lengths` too, in one pass."""
-        p, n = np.array(values, dtype=np.float64), self._n
+        p = np.array(values, dtype=np.float64)
+        n = self._n
         leg = self._movement.at(p, columns)
         linear = np.zeros((2, 2, compliant.LINEAR, n))
         seen = np.zeros((2, len(columns) + 1, n)) if lengths else None
@@ -193,20 +215,28 @@ class MuscleTendonSimulator(Simulator):
         length, _, _, force, tissue = np.swapaxes(np.stack(into.states), 0, 1)
         arms = np.stack([muscle.arm for muscle in leg.muscles])
         return Tangent(
-            into.torque, into.jacobian[:-1],
-            active=arms * (force - tissue), tissue=arms * tissue, lengths=length,
+            into.torque,
+            into.jacobian[:-1],
+            active=arms * (force - tissue),
+            tissue=arms * tissue,
+            lengths=length,
             length_jacobian=np.empty((2, 0, n)) if seen is None else seen[:, :-1],
             response=self._response(p, linear, arms),
-        )  # fmt: skip
+        )
 
     def _response(self, p: FloatArray, linear: FloatArray, arms: FloatArray) -> DriveResponse:
         delay = float(p[self._at["emd"]]) if "emd" in self._at else 0.0
         steps, back = self.activation(p).instants(delay)
-        k_rel, tau = p[COLUMNS[0][K_REL]], p[COLUMNS[0][TAU]]
+        k_rel = p[COLUMNS[0][K_REL]]
+        tau = p[COLUMNS[0][TAU]]
         return DriveResponse(
-            self._excitation.weighted(p), steps, back, linear, arms,
+            self._excitation.weighted(p),
+            steps,
+            back,
+            linear,
+            arms,
             keep=1.0 / (1.0 + compliant.GAMMA * self._dt * (1.0 + k_rel) / tau),
-        )  # fmt: skip
+        )
 
     def _stages(self, group: int, muscle: MusclePath) -> tuple[FloatArray, FloatArray, IntArray]:
         """Lengths at the stages, slopes by what moves them, and of what; of the last path kept."""

@@ -30,49 +30,74 @@ class ModelOptions(Request):
     """
 
     geometry: str | GeometryTable = setting(
-        "thesis", "Muscle length: equation (9) as printed, the integral of the moment arm, or a "
+        "thesis",
+        "Muscle length: equation (9) as printed, the integral of the moment arm, or a "
         "table of lengths and moment arms; as a keyword also its file, see "
-        "`surae.model.read_geometry`.", type='{"thesis", "virtual-work"}, path or GeometryTable',
-        choices=CHOICES["geometry"], file=True, label=N_("Geometry"),
+        "`surae.model.read_geometry`.",
+        type='{"thesis", "virtual-work"}, path or GeometryTable',
+        choices=CHOICES["geometry"],
+        file=True,
+        label=N_("Geometry"),
         help="How muscle length is read: as in the thesis, by virtual work, or a table of lengths "
         "and moment arms (CSV, OpenSim's MuscleAnalysis).",
-    )  # fmt: skip
+    )
     tendon_strain: str = setting(
-        "thesis", "ε0 in metres as the printed equations take it, or a strain times the slack "
-        "length.", choices=CHOICES["tendon_strain"], help="How ε0 is read.",
+        "thesis",
+        "ε0 in metres as the printed equations take it, or a strain times the slack length.",
+        choices=CHOICES["tendon_strain"],
+        help="How ε0 is read.",
         label=N_("Tendon strain"),
-    )  # fmt: skip
+    )
     integrator: str = setting(
-        "implicit", "How muscle-tendon models are integrated; explicit Euler is the thesis's.",
-        choices=CHOICES["integrator"], label=N_("Integrator"),
-    )  # fmt: skip
+        "implicit",
+        "How muscle-tendon models are integrated; explicit Euler is the thesis's.",
+        choices=CHOICES["integrator"],
+        label=N_("Integrator"),
+    )
     theta_foot: float = setting(
-        0.0, "Angle of the foot to the horizontal at θ = 0 [rad], equation (7).", metavar="RAD",
+        0.0,
+        "Angle of the foot to the horizontal at θ = 0 [rad], equation (7).",
+        metavar="RAD",
         help="Angle of the foot to the horizontal at 0 rad.",
         label=N_("Foot to horizontal at 0° [rad]"),
-    )  # fmt: skip
+    )
     vmax_factor: float = setting(
-        8.0, "Maximum shortening speed in optimal lengths per second.", above=0.0, metavar="F",
+        8.0,
+        "Maximum shortening speed in optimal lengths per second.",
+        above=0.0,
+        metavar="F",
         label=N_("Maximum shortening speed [optimal lengths/s]"),
-    )  # fmt: skip
+    )
     x_ref_tri: float = setting(
-        0.080, "Virtual-work geometry: length of the triceps at θ = 0 [m].", above=0.0, metavar="M",
+        0.080,
+        "Virtual-work geometry: length of the triceps at θ = 0 [m].",
+        above=0.0,
+        metavar="M",
         label=N_("Virtual work: triceps at 0° [m]"),
-    )  # fmt: skip
+    )
     x_ref_tib: float = setting(
-        0.100, "Virtual-work geometry: length of the tibialis at θ = 0 [m].", above=0.0,
-        metavar="M", label=N_("Virtual work: tibialis at 0° [m]"),
-    )  # fmt: skip
+        0.100,
+        "Virtual-work geometry: length of the tibialis at θ = 0 [m].",
+        above=0.0,
+        metavar="M",
+        label=N_("Virtual work: tibialis at 0° [m]"),
+    )
     emg_ref: tuple[float, float, float, float] | None = setting(
-        None, "EMG levels of TA, GL, SOL, GM [V] at which `emg_shape` changes nothing; the same "
+        None,
+        "EMG levels of TA, GL, SOL, GM [V] at which `emg_shape` changes nothing; the same "
         "for all recordings of a leg, e.g. `surae.signals.emg_levels` of them. Only `emg_shape` "
-        "needs it.", type="four floats, or None",
-    )  # fmt: skip
+        "needs it.",
+        type="four floats, or None",
+    )
     joint: str | Joint = setting(
-        "ankle", "The joint: the thesis's ankle, or another with a geometry of its own; as a "
-        "keyword also its file, see `surae.model.read_joint`.", type='"ankle", path or Joint',
-        choices=CHOICES["joint"], file=True, help="The joint: the ankle, or another by its file.",
-    )  # fmt: skip
+        "ankle",
+        "The joint: the thesis's ankle, or another with a geometry of its own; as a "
+        "keyword also its file, see `surae.model.read_joint`.",
+        type='"ankle", path or Joint',
+        choices=CHOICES["joint"],
+        file=True,
+        help="The joint: the ankle, or another by its file.",
+    )
 
     def __post_init__(self) -> None:
         """Refuse values that are not among the choices or not physical; hold levels as a tuple."""

@@ -65,13 +65,14 @@ class Parameter:
 #: What differs where the EMG is normalised (unit "1"): weights are forces, rest is a part of 1.
 _NORMALISED: dict[str, dict[str, Any]] = {
     "N/V": {
-        "unit": "N", "start": 1e3, "lower": 0.0, "upper": 2e4,
-        "wide": Prior(
-            1e3, 1.0, "assumed, a muscle's force at full effort; no measurement known"
-        ),
+        "unit": "N",
+        "start": 1e3,
+        "lower": 0.0,
+        "upper": 2e4,
+        "wide": Prior(1e3, 1.0, "assumed, a muscle's force at full effort; no measurement known"),
     },
     "V": {"unit": "-", "start": 0.0, "lower": -0.2, "upper": 0.2},
-}  # fmt: skip
+}
 
 
 def adapted(
@@ -100,16 +101,23 @@ def _adapted(p: Parameter, options: ModelOptions, emg_unit: str) -> Parameter:
         strained = p.strain is not None and options.tendon_strain == "slack-length"
         scale = joint.slack[p.name.endswith("tib")] if strained else 1.0
         return replace(
-            p, unit="-" if strained else p.unit, start=start / scale, lower=lower / scale,
-            upper=upper / scale, known=FrozenDict(), wide=Prior(start / scale, spread, source),
-        )  # fmt: skip
+            p,
+            unit="-" if strained else p.unit,
+            start=start / scale,
+            lower=lower / scale,
+            upper=upper / scale,
+            known=FrozenDict(),
+            wide=Prior(start / scale, spread, source),
+        )
     if p.travel is not None and options.travel == "virtual-work":
         usual, lower, upper, spread, source = astuple(p.travel)
         start = min(max(usual + _longer(options).get(p.name, 0.0), lower), upper)
         wide = Prior(usual, spread, source)
         return replace(p, start=start, lower=lower, upper=upper, known=FrozenDict(), wide=wide)
     if p.strain is not None and options.tendon_strain == "slack-length":
-        start, lower, upper = p.strain.start, p.strain.lower, p.strain.upper
+        start = p.strain.start
+        lower = p.strain.lower
+        upper = p.strain.upper
         known = FrozenDict(
             {of: replace(each, median=each.median / p.slack) for of, each in p.known.items()}
         )

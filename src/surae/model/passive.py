@@ -41,7 +41,9 @@ def phi(z: float) -> tuple[float, float, float, float]:
         d_phi1 = (math.exp(z) - phi1) / z
         return phi1, phi2, d_phi1, (d_phi1 - phi2) / z
     # The closed forms cancel here; 18 terms of the series reach rounding for |z| ≤ 1.
-    phi2, d_phi2, term = 0.0, 0.0, 0.5
+    phi2 = 0.0
+    d_phi2 = 0.0
+    term = 0.5
     for order in range(18):
         phi2 += term
         d_phi2 += (order + 1) * term / (order + 3)
@@ -76,14 +78,22 @@ def relaxation_step(
     gain = k_rel / (1.0 + k_rel)
     phi1, phi2, d_phi1, d_phi2 = phi(-h)
     a = math.exp(-h)
-    c0, c1 = h * (phi1 - phi2), h * phi2
+    c0 = h * (phi1 - phi2)
+    c1 = h * phi2
     # by h, with φ evaluated at −h
     d_c0 = (phi1 - phi2) - h * (d_phi1 - d_phi2)
     d_c1 = phi2 - h * d_phi2
-    h_tau, h_k = -h / tau_rel, dt / tau_rel
+    h_tau = -h / tau_rel
+    h_k = dt / tau_rel
     gain_k = 1.0 / (1.0 + k_rel) ** 2
     return (
-        a, gain * c0, gain * c1,
-        -a * h_tau, gain * d_c0 * h_tau, gain * d_c1 * h_tau,
-        -a * h_k, gain * d_c0 * h_k + gain_k * c0, gain * d_c1 * h_k + gain_k * c1,
-    )  # fmt: skip
+        a,
+        gain * c0,
+        gain * c1,
+        -a * h_tau,
+        gain * d_c0 * h_tau,
+        gain * d_c1 * h_tau,
+        -a * h_k,
+        gain * d_c0 * h_k + gain_k * c0,
+        gain * d_c1 * h_k + gain_k * c1,
+    )

@@ -55,13 +55,21 @@ class Simulator:
     """
 
     def __init__(
-        self, inputs: ModelInputs, options: ModelOptions, *, own: Sequence[str],
-        optional: Sequence[str], weights: tuple[str, ...] = ("g1", "g2", "g3", "g4"),
-        emg: FloatArray | None = None, cutoff: str = "f0", damping: str = "beta",
+        self,
+        inputs: ModelInputs,
+        options: ModelOptions,
+        *,
+        own: Sequence[str],
+        optional: Sequence[str],
+        weights: tuple[str, ...] = ("g1", "g2", "g3", "g4"),
+        emg: FloatArray | None = None,
+        cutoff: str = "f0",
+        damping: str = "beta",
         lags: tuple[float, ...] = (0.0,),
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._at = {name: column for column, name in enumerate((*own, *optional))}
-        self._dt, self._lags = 1.0 / inputs.rate_hz, lags
+        self._dt = 1.0 / inputs.rate_hz
+        self._lags = lags
         self._factor = float(options.vmax_factor)
         self._cutoff, self._damping = self._at[cutoff], self._at.get(damping, -1)
         added = ((self._at[name], _TORQUES[name]) for name in optional)
@@ -94,9 +102,13 @@ class Simulator:
         return into.torque, into.jacobian[:-1]
 
     def _summed(
-        self, p: FloatArray, columns: Sequence[int], leg: LegMovement,
-        linear: FloatArray | None = None, seen: FloatArray | None = None,
-    ) -> Sums:  # fmt: skip
+        self,
+        p: FloatArray,
+        columns: Sequence[int],
+        leg: LegMovement,
+        linear: FloatArray | None = None,
+        seen: FloatArray | None = None,
+    ) -> Sums:
         """The torque and its derivatives, and of each group what there is room for."""
         slots = np.full(len(p), len(columns))
         slots[list(columns)] = np.arange(len(columns))
@@ -123,7 +135,10 @@ class Simulator:
         """The parts of the torque; force and active state of both groups [N], shape (2, n)."""
         p = np.array(values, dtype=np.float64)
         leg = self._movement.at(p)
-        split, reflex, force, states = [], [], [], []
+        split = []
+        reflex = []
+        force = []
+        states = []
         for group, active in enumerate(self._active(p, leg)):
             muscle = leg.muscles[group]
             forces = self._forces(p, group, muscle, active)
@@ -131,7 +146,8 @@ class Simulator:
             states.append(active.alpha[-1])
             split.append(muscle.arm * forces)
             if self._excitation.has_reflex:
-                alpha, by_reflex = active.alpha[-1], active.drives[1][-1]
+                alpha = active.alpha[-1]
+                by_reflex = active.drives[1][-1]
                 share = np.divide(by_reflex, alpha, out=np.zeros_like(alpha), where=alpha != 0.0)
                 reflex.append(share * split[-1][1])
         (tissue_tri, neural_tri), (tissue_tib, neural_tib) = split
@@ -141,12 +157,17 @@ class Simulator:
         }
         reflex_tri, reflex_tib = reflex or (None, None)
         parts = TorqueParts(
-            tissue_tri, tissue_tib, neural_tri, neural_tib,
+            tissue_tri,
+            tissue_tib,
+            neural_tri,
+            neural_tib,
             inertial=p[0] * leg.inertia + added.get("inertial", 0.0),
             gravitational=p[0] * leg.gravity + added.get("gravitational", 0.0),
-            reflex_tri=reflex_tri, reflex_tib=reflex_tib, zero=added.get("zero"),
+            reflex_tri=reflex_tri,
+            reflex_tib=reflex_tib,
+            zero=added.get("zero"),
             joint=added.get("joint"),
-        )  # fmt: skip
+        )
         return parts, np.stack(force), np.stack(states)
 
     def activity(self, values: FloatArray) -> FloatArray:
@@ -163,7 +184,8 @@ class Simulator:
         """Muscle length [m], tendon elongation [m] and force [N] of both groups, (3, 2, n)."""
         p = np.array(values, dtype=np.float64)
         leg = self._movement.at(p)
-        length, active = [muscle.length for muscle in leg.muscles], self._active(p, leg)
+        length = [muscle.length for muscle in leg.muscles]
+        active = self._active(p, leg)
         force = [self._force(p, g, leg.muscles[g], active[g]) for g in range(2)]
         return np.stack([length, np.zeros_like(length), force])
 
@@ -177,11 +199,15 @@ class Simulator:
 
     def activation(self, p: FloatArray, wanted: frozenset[int] = frozenset()) -> ActivationFilter:
         """The activation filter, with its derivatives by the wanted columns."""
-        f0, beta = self._cutoff, self._damping
+        f0 = self._cutoff
+        beta = self._damping
         return ActivationFilter(
-            f0=p[f0], beta=1.0 if beta < 0 else p[beta], dt=self._dt, lags=self._lags,
+            f0=p[f0],
+            beta=1.0 if beta < 0 else p[beta],
+            dt=self._dt,
+            lags=self._lags,
             columns=(f0 if f0 in wanted else -1, beta if beta in wanted else -1),
-        )  # fmt: skip
+        )
 
     def pulled_by(self, torque: FloatArray) -> None:
         """Let a foot plate that gives way be turned by this torque [Nm], shape (n,)."""

@@ -182,9 +182,13 @@ _WITH_TENDON = MUSCLE_PARAMETERS + TENDON_PARAMETERS
 def _compliant(name: str, title: str, *freed: str) -> ModelSpec:
     """One of the models with tendons that give way: what is freed of them is all that differs."""
     return ModelSpec(
-        name, f"muscle-tendon model{title}", _WITH_TENDON, (*_FIFTEEN, *freed),
-        "surae.model.muscle_tendon:muscle_tendon_simulator", "muscle",
-    )  # fmt: skip
+        name,
+        f"muscle-tendon model{title}",
+        _WITH_TENDON,
+        (*_FIFTEEN, *freed),
+        "surae.model.muscle_tendon:muscle_tendon_simulator",
+        "muscle",
+    )
 
 
 #: Those that come with surae.
@@ -192,15 +196,20 @@ OWN: dict[str, ModelSpec] = {
     spec.name: spec
     for spec in (
         ModelSpec(
-            "muscle", "muscle model [1.0]", MUSCLE_PARAMETERS, _FIFTEEN,
-            "surae.model.muscle:MuscleSimulator", linear=("m", *_WEIGHTS),
-            slack={"x0_tri": "k_tri", "x0_tib": "k_tib"}, scanned=("l0_tri", "l0_tib"),
+            "muscle",
+            "muscle model [1.0]",
+            MUSCLE_PARAMETERS,
+            _FIFTEEN,
+            "surae.model.muscle:MuscleSimulator",
+            linear=("m", *_WEIGHTS),
+            slack={"x0_tri": "k_tri", "x0_tib": "k_tib"},
+            scanned=("l0_tri", "l0_tib"),
         ),
         _compliant("muscle-tendon", " [2.0]"),
         _compliant("muscle-tendon-strain", ", tendon strain freed [2.1]", "dlt_tri", "dlt_tib"),
         _compliant("muscle-tendon-toe", ", tendon toe force freed [2.2]", "pt_tri", "pt_tib"),
     )
-}  # fmt: skip
+}
 
 
 #: Every model by name, those of plugins too.

@@ -14,7 +14,11 @@ from surae.model.jit import jit
 from surae.model.passive import relaxation_step
 
 #: A group's own parameters: stiffness, slack length, optimal length, relaxation.
-K, X0, L0, TAU, K_REL = 0, 1, 2, 3, 4
+K = 0
+X0 = 1
+L0 = 2
+TAU = 3
+K_REL = 4
 
 
 def exponentials(p: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -32,7 +36,9 @@ def exponentials(p: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatAr
     elastic, fl : ndarray, shape (n,)
         What `elastic_force` and `force_length` give.
     """
-    k, x0, l0 = p[K], p[X0], p[L0]
+    k = p[K]
+    x0 = p[X0]
+    l0 = p[L0]
     with np.errstate(over="ignore"):  # the torque is then not finite, which is told
         elastic: FloatArray = np.exp(k * (length - x0))
         fl: FloatArray = np.exp(((length - l0) / l0) ** 2 / -CF)
@@ -41,9 +47,14 @@ def exponentials(p: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatAr
 
 @jit
 def rigid_forces(
-    p: FloatArray, elastic: FloatArray, fl: FloatArray, speed: FloatArray, alpha: FloatArray,
-    factor: float, dt: float,
-) -> FloatArray:  # fmt: skip
+    p: FloatArray,
+    elastic: FloatArray,
+    fl: FloatArray,
+    speed: FloatArray,
+    alpha: FloatArray,
+    factor: float,
+    dt: float,
+) -> FloatArray:
     """Elastic and active force, equations (8) to (11) and (15) to (17).
 
     Parameters
@@ -69,7 +80,9 @@ def rigid_forces(
     n = len(speed)
     forces = np.empty((2, n))
     step = relaxation_step(p[TAU], p[K_REL], dt)
-    a, b0, b1 = step[0], step[1], step[2]
+    a = step[0]
+    b0 = step[1]
+    b1 = step[2]
     vmax = factor * p[L0]
     z = p[K_REL] / (1.0 + p[K_REL]) * elastic[0]  # the trial starts relaxed to its first sample
     for i in range(n):
@@ -82,10 +95,21 @@ def rigid_forces(
 
 @jit
 def rigid_torque(
-    p: FloatArray, slots: IntArray, path: FloatArray, path_slopes: FloatArray, turned: IntArray,
-    elastic: FloatArray, fl: FloatArray, alpha: FloatArray, alpha_slopes: FloatArray,
-    alpha_slots: IntArray, factor: float, dt: float, torque: FloatArray, jacobian: FloatArray,
-) -> None:  # fmt: skip
+    p: FloatArray,
+    slots: IntArray,
+    path: FloatArray,
+    path_slopes: FloatArray,
+    turned: IntArray,
+    elastic: FloatArray,
+    fl: FloatArray,
+    alpha: FloatArray,
+    alpha_slopes: FloatArray,
+    alpha_slots: IntArray,
+    factor: float,
+    dt: float,
+    torque: FloatArray,
+    jacobian: FloatArray,
+) -> None:
     """Add the group's torque, equation (2), and its derivatives.
 
     Parameters
@@ -105,32 +129,48 @@ def rigid_torque(
     jacobian : ndarray, shape (rows, n)
         Is added to, one contiguous row a parameter.
     """
-    arm, length, speed = path[0], path[1], path[2]
-    arm_by, length_by, speed_by = path_slopes[0], path_slopes[1], path_slopes[2]
+    arm = path[0]
+    length = path[1]
+    speed = path[2]
+    arm_by = path_slopes[0]
+    length_by = path_slopes[1]
+    speed_by = path_slopes[2]
     n = len(length)
     gains = np.empty(n)  # torque per active state [m]
     a, b0, b1, a_t, b0_t, b1_t, a_k, b0_k, b1_k = relaxation_step(p[TAU], p[K_REL], dt)
     dc = p[K_REL] / (1.0 + p[K_REL])
     dc_k = 1.0 / (1.0 + p[K_REL]) ** 2
-    k, x0, l0 = p[K], p[X0], p[L0]
-    vmax, bend = factor * l0, 2.0 / (CF * l0**3)
-    by_k, by_x0, by_l0 = jacobian[slots[K]], jacobian[slots[X0]], jacobian[slots[L0]]
-    by_tau, by_rel = jacobian[slots[TAU]], jacobian[slots[K_REL]]
+    k = p[K]
+    x0 = p[X0]
+    l0 = p[L0]
+    vmax = factor * l0
+    bend = 2.0 / (CF * l0**3)
+    by_k = jacobian[slots[K]]
+    by_x0 = jacobian[slots[X0]]
+    by_l0 = jacobian[slots[L0]]
+    by_tau = jacobian[slots[TAU]]
+    by_rel = jacobian[slots[K_REL]]
     # relaxation and its sensitivities by k, tau_rel, k_rel; by x0 all is −k times itself
     before = elastic[0]
     before_k = (length[0] - x0) * before
-    z, z_k, z_t, z_r = dc * before, dc * before_k, 0.0, dc_k * before
+    z = dc * before
+    z_k = dc * before_k
+    z_t = 0.0
+    z_r = dc_k * before
     before_s = k * before * length_by[:, 0]
     z_s = dc * before_s
     for i in range(n):
-        x, r, now = length[i], arm[i], elastic[i]
+        x = length[i]
+        r = arm[i]
+        now = elastic[i]
         now_k = (x - x0) * now
         if i > 0:
             z_t = a * z_t + (a_t * z + (b0_t * before + b1_t * now))
             z_r = a * z_r + (a_k * z + (b0_k * before + b1_k * now))
             z_k = a * z_k + (b0 * before_k + b1 * now_k)
             z = a * z + (b0 * before + b1 * now)
-        before, before_k = now, now_k
+        before = now
+        before_k = now_k
         force = now - z
         if force <= 0.0:  # equation (11): tissue cannot push
             force = 0.0

@@ -69,10 +69,15 @@ class TendonState(Comparable):
     def columns(self) -> Mapping[str, FloatArray]:
         """The states under the names they have in files, triceps (tri) before tibialis (tib)."""
         units = {
-            "muscle_length": "m", "muscle_velocity": "m_s", "tendon_length": "m",
-            "tendon_elongation": "m", "tendon_velocity": "m_s", "tendon_force": "N",
-            "tissue_force": "N", "active_force": "N",
-        }  # fmt: skip
+            "muscle_length": "m",
+            "muscle_velocity": "m_s",
+            "tendon_length": "m",
+            "tendon_elongation": "m",
+            "tendon_velocity": "m_s",
+            "tendon_force": "N",
+            "tissue_force": "N",
+            "active_force": "N",
+        }
         arrays = {"tendon_elongation": self.elongation}
         return {
             f"{name}_{group}_{unit}": (arrays[name] if name in arrays else getattr(self, name))[row]
@@ -132,9 +137,20 @@ class TorqueParts(Comparable):
     def columns(self) -> Mapping[str, FloatArray]:
         """The parts under the names they have in files, sums first, optional ones last."""
         names = (
-            "tissue", "neural", "inertial", "gravitational", "tissue_tri", "tissue_tib",
-            "neural_tri", "neural_tib", "joint", "zero", "reflex", "reflex_tri", "reflex_tib",
-        )  # fmt: skip
+            "tissue",
+            "neural",
+            "inertial",
+            "gravitational",
+            "tissue_tri",
+            "tissue_tib",
+            "neural_tri",
+            "neural_tib",
+            "joint",
+            "zero",
+            "reflex",
+            "reflex_tri",
+            "reflex_tib",
+        )
         parts = {name: getattr(self, name) for name in names}
         called = {"zero": "torque_zero"}
         return {f"{called.get(n, n)}_Nm": part for n, part in parts.items() if part is not None}

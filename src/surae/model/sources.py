@@ -15,214 +15,484 @@ from surae.recording import FILMED
 _AGAIN = N_("measure the moment arms in a second way too, as by the tendon’s excursion")
 _SOURCES = (
     UncertaintySource(
-        "noise", "noise of the torque", "what scatters in the torque without a pattern",
+        "noise",
+        "noise of the torque",
+        "what scatters in the torque without a pattern",
         N_("record more trials, with other movement and effort, and fit them together"),
-        Fill("measured"), fresh=True),
+        Fill("measured"),
+        fresh=True,
+    ),
     UncertaintySource(
-        "emg_noise", "error of the EMG", "how far the EMG is from the effort at each moment",
+        "emg_noise",
+        "error of the EMG",
+        "how far the EMG is from the effort at each moment",
         N_("improve the contact of the electrodes, or ask for more effort"),
-        Fill("surface", "x"), fresh=True),
+        Fill("surface", "x"),
+        fresh=True,
+    ),
     UncertaintySource(
-        "zero", "torque zero", "what the sensor shows without torque",
-        N_("measure the zero of the torque sensor"), Fill("ink"), Nuisance(
-            "zero", OPTIONAL["torque_zero"], Gaussian(0.0, 10.0), "Nm",
-            "a dynamometer’s zero was off by 12 to 19 Nm with a foot strapped in", anew="trial")),
-    UncertaintySource(
-        "delay", "delay", "from the EMG to the force",
-        N_("measure the delay from EMG to torque with a twitch"), Fill("surface", "/"), Nuisance(
-            "delay", OPTIONAL["emd"], Gaussian(0.03, 0.03), "s",
-            "20 to 100 ms from EMG to force (Cavanagh and Komi 1979)", of_leg=True)),
-    UncertaintySource(
-        "crosstalk", "crosstalk", "part of another muscle’s EMG that an electrode picks up",
-        N_("test the electrodes muscle by muscle"), Fill("series-1"), Nuisance(
-            "crosstalk", OPTIONAL["crosstalk"], Gaussian(0.04, 0.03), "",
-            "3 to 10 % of a neighbour’s rectified EMG (De Luca and Merletti 1988)", anew="mounting",
-        )),
-    UncertaintySource(
-        "axis", "axis", "how far the ankle’s axis lies from the device’s",
-        N_("align the ankle’s axis with the device’s, or measure their distance"),
-        Fill("surface", "|"), again_by=N_("let another reader measure where the ankle’s axis lies"),
-        nuisance=Nuisance(
-            "axis", OPTIONAL["axis"], Gaussian(0.0, 0.01), "m",
-            "torques 5 to 9 % off (Arampatzis et al. 2007)", anew="mounting", of_device=True)),
-    UncertaintySource(
-        "emg_gain", "drift of the EMG", "change of an electrode’s gain within the trial",
-        N_("keep the electrodes’ gain steady, or measure it before and after"),
-        Fill("surface", "-"), fresh=True),
-    UncertaintySource(
-        "emg_band", "rate of the EMG", "what a slow rate leaves of the EMG’s band",
-        N_("record the raw EMG at 1 kHz or faster"), Fill("measured", "x")),
-    UncertaintySource(
-        "emg_rest", "EMG at rest", "what an electrode shows of a muscle that rests",
-        N_("record all muscles at rest"), Fill("series-1", "-"), Nuisance(
-            "rest", OPTIONAL["emg_rest"], Gaussian(0.0, 1.0), "of the level at rest",
-            "the level that the electrode shows at its quietest: an envelope is never below zero, "
-            "so that noise alone lifts it", anew="trial")),
-    UncertaintySource(
-        "emg_shape", "EMG curve", "bend from EMG to activation; 0 is a straight line",
-        N_("measure several levels of effort"), Fill("surface", "."), Nuisance(
-            "shape", (*OPTIONAL["emg_shape"], *OPTIONAL["emg_power"]), Gaussian(-0.5, 1.0), "",
-            "between −3 and 0, and powers of 0.5 to 1 (Lloyd and Besier 2003)", departs=True,
-            own=FrozenDict({"emg_power": Gaussian(0.0, 0.25)}))),
-    UncertaintySource(
-        "release", "release", "how much slower muscles let go than they take hold",
-        N_("ask for bursts of effort that end as fast as they begin"), Fill("series-2", "x"),
+        "zero",
+        "torque zero",
+        "what the sensor shows without torque",
+        N_("measure the zero of the torque sensor"),
+        Fill("ink"),
         Nuisance(
-            "release", OPTIONAL["release"], Gaussian(0.03, 0.03), "s",
-            "10 to 15 ms to activate, 40 to 50 to deactivate (Zajac 1989; Thelen 2003)",
-            of_leg=True, departs=True)),
+            "zero",
+            OPTIONAL["torque_zero"],
+            Gaussian(0.0, 10.0),
+            "Nm",
+            "a dynamometer’s zero was off by 12 to 19 Nm with a foot strapped in",
+            anew="trial",
+        ),
+    ),
     UncertaintySource(
-        "emg_lag", "lag of the EMG", "how far an envelope is behind its EMG",
+        "delay",
+        "delay",
+        "from the EMG to the force",
+        N_("measure the delay from EMG to torque with a twitch"),
+        Fill("surface", "/"),
+        Nuisance(
+            "delay",
+            OPTIONAL["emd"],
+            Gaussian(0.03, 0.03),
+            "s",
+            "20 to 100 ms from EMG to force (Cavanagh and Komi 1979)",
+            of_leg=True,
+        ),
+    ),
+    UncertaintySource(
+        "crosstalk",
+        "crosstalk",
+        "part of another muscle’s EMG that an electrode picks up",
+        N_("test the electrodes muscle by muscle"),
+        Fill("series-1"),
+        Nuisance(
+            "crosstalk",
+            OPTIONAL["crosstalk"],
+            Gaussian(0.04, 0.03),
+            "",
+            "3 to 10 % of a neighbour’s rectified EMG (De Luca and Merletti 1988)",
+            anew="mounting",
+        ),
+    ),
+    UncertaintySource(
+        "axis",
+        "axis",
+        "how far the ankle’s axis lies from the device’s",
+        N_("align the ankle’s axis with the device’s, or measure their distance"),
+        Fill("surface", "|"),
+        again_by=N_("let another reader measure where the ankle’s axis lies"),
+        nuisance=Nuisance(
+            "axis",
+            OPTIONAL["axis"],
+            Gaussian(0.0, 0.01),
+            "m",
+            "torques 5 to 9 % off (Arampatzis et al. 2007)",
+            anew="mounting",
+            of_device=True,
+        ),
+    ),
+    UncertaintySource(
+        "emg_gain",
+        "drift of the EMG",
+        "change of an electrode’s gain within the trial",
+        N_("keep the electrodes’ gain steady, or measure it before and after"),
+        Fill("surface", "-"),
+        fresh=True,
+    ),
+    UncertaintySource(
+        "emg_band",
+        "rate of the EMG",
+        "what a slow rate leaves of the EMG’s band",
+        N_("record the raw EMG at 1 kHz or faster"),
+        Fill("measured", "x"),
+    ),
+    UncertaintySource(
+        "emg_rest",
+        "EMG at rest",
+        "what an electrode shows of a muscle that rests",
+        N_("record all muscles at rest"),
+        Fill("series-1", "-"),
+        Nuisance(
+            "rest",
+            OPTIONAL["emg_rest"],
+            Gaussian(0.0, 1.0),
+            "of the level at rest",
+            "the level that the electrode shows at its quietest: an envelope is never below zero, "
+            "so that noise alone lifts it",
+            anew="trial",
+        ),
+    ),
+    UncertaintySource(
+        "emg_shape",
+        "EMG curve",
+        "bend from EMG to activation; 0 is a straight line",
+        N_("measure several levels of effort"),
+        Fill("surface", "."),
+        Nuisance(
+            "shape",
+            (*OPTIONAL["emg_shape"], *OPTIONAL["emg_power"]),
+            Gaussian(-0.5, 1.0),
+            "",
+            "between −3 and 0, and powers of 0.5 to 1 (Lloyd and Besier 2003)",
+            departs=True,
+            own=FrozenDict({"emg_power": Gaussian(0.0, 0.25)}),
+        ),
+    ),
+    UncertaintySource(
+        "release",
+        "release",
+        "how much slower muscles let go than they take hold",
+        N_("ask for bursts of effort that end as fast as they begin"),
+        Fill("series-2", "x"),
+        Nuisance(
+            "release",
+            OPTIONAL["release"],
+            Gaussian(0.03, 0.03),
+            "s",
+            "10 to 15 ms to activate, 40 to 50 to deactivate (Zajac 1989; Thelen 2003)",
+            of_leg=True,
+            departs=True,
+        ),
+    ),
+    UncertaintySource(
+        "emg_lag",
+        "lag of the EMG",
+        "how far an envelope is behind its EMG",
         N_("give the raw EMG instead of envelopes"),
         Fill("series-3", "/"),
         Nuisance(
-            "lag", OPTIONAL["emg_lag"], Gaussian(0.02, 0.015), "s",
+            "lag",
+            OPTIONAL["emg_lag"],
+            Gaussian(0.02, 0.015),
+            "s",
             "a low-pass of 3 to 10 Hz lags by 16 to 53 ms, by nothing if it is run both ways",
         ),
     ),
     UncertaintySource(
-        "tendon", "tendons", "how far they stretch, and where their force curve becomes straight",
-        N_("measure the tendon’s strain by ultrasound"), Fill("surface", "\\"), Nuisance(
-            "toe", ("pt_tri", "pt_tib"), Gaussian(0.3, 0.1, off=0.3), "",
-            "Table 2 of the thesis, after Thelen (2003); the spread is assumed", of_leg=True),
-        leg=("dlt_tri", "dlt_tib")),
-    UncertaintySource(
-        "model", "choice of the model", "how far apart models are that the data support",
-        N_("measure another movement, wider or faster, which tells the models apart"),
-        Fill("series-3")),
-    UncertaintySource(
-        "left_out", "what the model leaves out", "what the torque shows and no model has",
-        N_("record trials with other movements and efforts"),
-        Fill("series-3", "|"), knowable=False),
-    UncertaintySource(
-        "softening", "tissue that softens", "by how much tissue was stiffer in its first stretches",
-        N_("stretch the relaxed ankle ten times before the trial"), Fill("series-2", "/"),
-        fresh=True),
-    UncertaintySource(
-        "film", "filmed fascicle", "how far the fascicle in the film differs from the whole muscle",
-        N_("film a longer piece of the muscle, or several places of it"), Fill("series-1", "."),
+        "tendon",
+        "tendons",
+        "how far they stretch, and where their force curve becomes straight",
+        N_("measure the tendon’s strain by ultrasound"),
+        Fill("surface", "\\"),
         Nuisance(
-            "film", tuple(name for at in FILMED for name in OPTIONAL[f"film_{at}"]),
-            Gaussian(0.0, 0.06), "",
+            "toe",
+            ("pt_tri", "pt_tib"),
+            Gaussian(0.3, 0.1, off=0.3),
+            "",
+            "Table 2 of the thesis, after Thelen (2003); the spread is assumed",
+            of_leg=True,
+        ),
+        leg=("dlt_tri", "dlt_tib"),
+    ),
+    UncertaintySource(
+        "model",
+        "choice of the model",
+        "how far apart models are that the data support",
+        N_("measure another movement, wider or faster, which tells the models apart"),
+        Fill("series-3"),
+    ),
+    UncertaintySource(
+        "left_out",
+        "what the model leaves out",
+        "what the torque shows and no model has",
+        N_("record trials with other movements and efforts"),
+        Fill("series-3", "|"),
+        knowable=False,
+    ),
+    UncertaintySource(
+        "softening",
+        "tissue that softens",
+        "by how much tissue was stiffer in its first stretches",
+        N_("stretch the relaxed ankle ten times before the trial"),
+        Fill("series-2", "/"),
+        fresh=True,
+    ),
+    UncertaintySource(
+        "film",
+        "filmed fascicle",
+        "how far the fascicle in the film differs from the whole muscle",
+        N_("film a longer piece of the muscle, or several places of it"),
+        Fill("series-1", "."),
+        Nuisance(
+            "film",
+            tuple(name for at in FILMED for name in OPTIONAL[f"film_{at}"]),
+            Gaussian(0.0, 0.06),
+            "",
             "fibres of one muscle differ so much that fewer than 25 misjudge their mean (Charles "
             "et al. 2022); a contracted tibialis is 2 % off a straight line (Reeves and Narici "
-            "2003); the three calf muscles differ by more; the sizes are assumed", anew="mounting",
+            "2003); the three calf muscles differ by more; the sizes are assumed",
+            anew="mounting",
             own=FrozenDict(
                 {f"film_zero_{at}": Gaussian(0.0, 0.006) for at in FILMED}
-                | {"film_scale_tib": Gaussian(0.0, 0.03), "film_zero_tib": Gaussian(0.0, 0.004)}))),
+                | {"film_scale_tib": Gaussian(0.0, 0.03), "film_zero_tib": Gaussian(0.0, 0.004)}
+            ),
+        ),
+    ),
     UncertaintySource(
-        "film_drift", "drift of the film", "how far the film's tracker drifts within the trial",
-        N_("correct the tracker at key frames"), Fill("series-1", "/"), fresh=True),
+        "film_drift",
+        "drift of the film",
+        "how far the film's tracker drifts within the trial",
+        N_("correct the tracker at key frames"),
+        Fill("series-1", "/"),
+        fresh=True,
+    ),
     UncertaintySource(
-        "unheard", "muscles without EMG", "what muscles do that no electrode records",
-        N_("record the EMG of all four muscles"), Fill("series-2", "\\")),
+        "unheard",
+        "muscles without EMG",
+        "what muscles do that no electrode records",
+        N_("record the EMG of all four muscles"),
+        Fill("series-2", "\\"),
+    ),
     UncertaintySource(
-        "trials", "differences between trials", "by how much trials of this leg disagree",
-        N_("record more trials of the same kind"), Fill("series-6"), fresh=True, knowable=False),
+        "trials",
+        "differences between trials",
+        "by how much trials of this leg disagree",
+        N_("record more trials of the same kind"),
+        Fill("series-6"),
+        fresh=True,
+        knowable=False,
+    ),
     UncertaintySource(
-        "torque_drift", "drift of the torque", "change of the torque’s zero within the trial",
+        "torque_drift",
+        "drift of the torque",
+        "change of the torque’s zero within the trial",
         N_("let the torque sensor warm up, and measure its zero before and after"),
-        Fill("ink", "/"), fresh=True),
+        Fill("ink", "/"),
+        fresh=True,
+    ),
     UncertaintySource(
-        "plate", "foot plate", "inertia and weight of a plate that was not tared",
-        N_("record the moving plate without the foot, and subtract it"), Fill("ink", "x"),
+        "plate",
+        "foot plate",
+        "inertia and weight of a plate that was not tared",
+        N_("record the moving plate without the foot, and subtract it"),
+        Fill("ink", "x"),
         Nuisance(
-            "plate", OPTIONAL["plate"], Gaussian(0.0, 5.0), "Nm",
-            "plates of 1 to 3 kg, their centre 5 to 15 cm from the axis; assumed", departs=True,
+            "plate",
+            OPTIONAL["plate"],
+            Gaussian(0.0, 5.0),
+            "Nm",
+            "plates of 1 to 3 kg, their centre 5 to 15 cm from the axis; assumed",
+            departs=True,
             of_device=True,
-            own=FrozenDict({"plate_inertia": Gaussian(0.0, 0.03)}))),
+            own=FrozenDict({"plate_inertia": Gaussian(0.0, 0.03)}),
+        ),
+    ),
     UncertaintySource(
-        "joint_spring", "joint tissue", "capsule, ligaments and skin that hold beside the muscles",
+        "joint_spring",
+        "joint tissue",
+        "capsule, ligaments and skin that hold beside the muscles",
         N_("tare the empty plate, and move the relaxed ankle slowly over its whole range"),
-        Fill("series-6", "x"), Nuisance(
-            "spring", OPTIONAL["joint_spring"], Gaussian(2.0, 2.0, off=0.0), "Nm/rad",
-            "the capsule makes 47 % of the stiffness of a cat’s wrist (Johns and Wright 1962), the "
-            "whole relaxed ankle has some 4 to 8 Nm/rad; the rest is assumed", of_leg=True,
-            departs=True, own=FrozenDict({"joint_torque": Gaussian(0.0, 0.5)}))),
-    UncertaintySource(
-        "joint_damper", "joint damping", "capsule, skin and hinge that brake beside the muscles",
-        N_("move the relaxed ankle at several speeds"), Fill("series-6", "-"), Nuisance(
-            "damper", OPTIONAL["joint_damper"], Gaussian(0.2, 0.3, off=0.0), "Nm·s/rad",
-            "tenths; assumed", of_leg=True, departs=True)),
-    UncertaintySource(
-        "give", "give of the plate", "how far the foot turns on its plate under load",
-        N_("strap the foot tighter, or measure the angle at the ankle"), Fill("series-6", "/"),
+        Fill("series-6", "x"),
         Nuisance(
-            "give", OPTIONAL["plate_give"], Gaussian(0.0, 8e-4), "rad/Nm",
-            "a heel lifts by 2 to 6° in strong contractions (Karamanidis et al. 2005)",
-            anew="mounting", departs=True, of_device=True)),
+            "spring",
+            OPTIONAL["joint_spring"],
+            Gaussian(2.0, 2.0, off=0.0),
+            "Nm/rad",
+            "the capsule makes 47 % of the stiffness of a cat’s wrist (Johns and Wright 1962), the "
+            "whole relaxed ankle has some 4 to 8 Nm/rad; the rest is assumed",
+            of_leg=True,
+            departs=True,
+            own=FrozenDict({"joint_torque": Gaussian(0.0, 0.5)}),
+        ),
+    ),
     UncertaintySource(
-        "arms", "moment arms", "how far the leg’s moment arms differ from the assumed ones",
-        N_("give the leg’s own geometry, from images or a scaled model"), Fill("series-2"),
+        "joint_damper",
+        "joint damping",
+        "capsule, skin and hinge that brake beside the muscles",
+        N_("move the relaxed ankle at several speeds"),
+        Fill("series-6", "-"),
+        Nuisance(
+            "damper",
+            OPTIONAL["joint_damper"],
+            Gaussian(0.2, 0.3, off=0.0),
+            "Nm·s/rad",
+            "tenths; assumed",
+            of_leg=True,
+            departs=True,
+        ),
+    ),
+    UncertaintySource(
+        "give",
+        "give of the plate",
+        "how far the foot turns on its plate under load",
+        N_("strap the foot tighter, or measure the angle at the ankle"),
+        Fill("series-6", "/"),
+        Nuisance(
+            "give",
+            OPTIONAL["plate_give"],
+            Gaussian(0.0, 8e-4),
+            "rad/Nm",
+            "a heel lifts by 2 to 6° in strong contractions (Karamanidis et al. 2005)",
+            anew="mounting",
+            departs=True,
+            of_device=True,
+        ),
+    ),
+    UncertaintySource(
+        "arms",
+        "moment arms",
+        "how far the leg’s moment arms differ from the assumed ones",
+        N_("give the leg’s own geometry, from images or a scaled model"),
+        Fill("series-2"),
         again_by=_AGAIN,
         nuisance=Nuisance(
-            "arm", OPTIONAL["arm"], Gaussian(0.0, 0.15), "",
+            "arm",
+            OPTIONAL["arm"],
+            Gaussian(0.0, 0.15),
+            "",
             "moment arms differ by 6 to 12 % between adults (Maganaris et al. 1998, 1999); muscles "
             "travel by half more or less in published geometries; bends are assumed",
-            of_leg=True, departs=True,
+            of_leg=True,
+            departs=True,
             own=FrozenDict(
                 {f"arm_scale_{g}": Gaussian(0.0, 0.06) for g in ("tri", "tib")}
                 | {f"path_scale_{g}": Gaussian(0.0, 0.3) for g in ("tri", "tib")}
-                | {f"path_bend_{g}": Gaussian(0.0, 0.005) for g in ("tri", "tib")}),
+                | {f"path_bend_{g}": Gaussian(0.0, 0.005) for g in ("tri", "tib")}
+            ),
             # one image: readers differ by 3 %, methods by 4 mm; what else is assumed
             measured=FrozenDict(
-                {f"{of}_{g}": Gaussian(0.0, 0.095) for of in ("arm_scale", "path_scale")
-                 for g in ("tri", "tib")}
-                | {f"{of}_{g}": Gaussian(0.0, 0.05) for of in ("arm_slope", "arm_bend")
-                   for g in ("tri", "tib")}
-                | {f"path_bend_{g}": Gaussian(0.0, 0.002) for g in ("tri", "tib")}))),
+                {
+                    f"{of}_{g}": Gaussian(0.0, 0.095)
+                    for of in ("arm_scale", "path_scale")
+                    for g in ("tri", "tib")
+                }
+                | {
+                    f"{of}_{g}": Gaussian(0.0, 0.05)
+                    for of in ("arm_slope", "arm_bend")
+                    for g in ("tri", "tib")
+                }
+                | {f"path_bend_{g}": Gaussian(0.0, 0.002) for g in ("tri", "tib")}
+            ),
+        ),
+    ),
     UncertaintySource(
-        "lengths", "muscle lengths", "how much longer the leg’s muscles are than assumed",
+        "lengths",
+        "muscle lengths",
+        "how much longer the leg’s muscles are than assumed",
         N_("give the length of the leg’s own muscles, from images or a scaled model"),
-        Fill("series-2", "-"), again_by=_AGAIN, nuisance=Nuisance(
-            "length", OPTIONAL["length_zero"], Gaussian(0.0, 0.005), "m",
-            "fascicles are 10 to 20 % off what size predicts (Ward et al. 2009)", of_leg=True),
-        again=(0.0, 0.0)),
+        Fill("series-2", "-"),
+        again_by=_AGAIN,
+        nuisance=Nuisance(
+            "length",
+            OPTIONAL["length_zero"],
+            Gaussian(0.0, 0.005),
+            "m",
+            "fascicles are 10 to 20 % off what size predicts (Ward et al. 2009)",
+            of_leg=True,
+        ),
+        again=(0.0, 0.0),
+    ),
     UncertaintySource(
-        "curves", "muscle curves", "widths of force over length, bend of force over velocity",
-        N_("record more angles and velocities under effort"), Fill("series-3", "x"), Nuisance(
-            "curves", OPTIONAL["curves"], Gaussian(0.0, 0.35), "",
+        "curves",
+        "muscle curves",
+        "widths of force over length, bend of force over velocity",
+        N_("record more angles and velocities under effort"),
+        Fill("series-3", "x"),
+        Nuisance(
+            "curves",
+            OPTIONAL["curves"],
+            Gaussian(0.0, 0.35),
+            "",
             "widths and asymptotes of human muscles differ by a third (Zajac 1989; Thelen 2003)",
-            of_leg=True, departs=True,
+            of_leg=True,
+            departs=True,
             own=FrozenDict(
                 {"fv_speed": Gaussian(0.0, 0.25)}
-                | {name: Gaussian(0.0, 0.3) for name in ("fv_curve", "fv_stretch")}))),
+                | {name: Gaussian(0.0, 0.3) for name in ("fv_curve", "fv_stretch")}
+            ),
+        ),
+    ),
     UncertaintySource(
-        "reflex", "stretch reflex", "force that answers a stretch and that no electrode shows",
-        N_("record a slow and a quick stretch at rest"), Fill("series-1", "|"), Nuisance(
-            "reflex", OPTIONAL["reflex"], Gaussian(0.0, 2000.0), "N·s/m",
-            "some Nm at a stretch of 3 rad/s; assumed", of_leg=True, departs=True,
-            own=FrozenDict({"reflex_delay": Gaussian(0.05, 0.015, off=0.05)}))),
-    UncertaintySource(
-        "reflex_length", "reflex to length", "force that answers a held stretch",
-        N_("record a slow and a quick stretch at rest"), Fill("series-1", "\\"), Nuisance(
-            "reflex_length", OPTIONAL["reflex_length"], Gaussian(0.0, 1e4), "N/m",
-            "some Nm at a stretch of a centimetre; assumed", of_leg=True, departs=True, rare=True)),
-    UncertaintySource(
-        "reflex_force", "reflex to force", "force that answers the force of stretched tissue",
-        N_("record a slow and a quick stretch at rest"), Fill("series-1", "+"), Nuisance(
-            "reflex_force", OPTIONAL["reflex_force"], Gaussian(0.0, 0.3), "",
-            "of spastic muscles (Falisse et al. 2018); size assumed", of_leg=True, departs=True,
-            rare=True)),
-    UncertaintySource(
-        "bridges", "short-range stiffness", "force of bridges that hold until they yield",
-        N_("turn the movement about under steady effort, fast and slowly"), Fill("series-3", "\\"),
+        "reflex",
+        "stretch reflex",
+        "force that answers a stretch and that no electrode shows",
+        N_("record a slow and a quick stretch at rest"),
+        Fill("series-1", "|"),
         Nuisance(
-            "bridges", OPTIONAL["bridges"], Gaussian(23.0, 12.0, off=0.0), "",
+            "reflex",
+            OPTIONAL["reflex"],
+            Gaussian(0.0, 2000.0),
+            "N·s/m",
+            "some Nm at a stretch of 3 rad/s; assumed",
+            of_leg=True,
+            departs=True,
+            own=FrozenDict({"reflex_delay": Gaussian(0.05, 0.015, off=0.05)}),
+        ),
+    ),
+    UncertaintySource(
+        "reflex_length",
+        "reflex to length",
+        "force that answers a held stretch",
+        N_("record a slow and a quick stretch at rest"),
+        Fill("series-1", "\\"),
+        Nuisance(
+            "reflex_length",
+            OPTIONAL["reflex_length"],
+            Gaussian(0.0, 1e4),
+            "N/m",
+            "some Nm at a stretch of a centimetre; assumed",
+            of_leg=True,
+            departs=True,
+            rare=True,
+        ),
+    ),
+    UncertaintySource(
+        "reflex_force",
+        "reflex to force",
+        "force that answers the force of stretched tissue",
+        N_("record a slow and a quick stretch at rest"),
+        Fill("series-1", "+"),
+        Nuisance(
+            "reflex_force",
+            OPTIONAL["reflex_force"],
+            Gaussian(0.0, 0.3),
+            "",
+            "of spastic muscles (Falisse et al. 2018); size assumed",
+            of_leg=True,
+            departs=True,
+            rare=True,
+        ),
+    ),
+    UncertaintySource(
+        "bridges",
+        "short-range stiffness",
+        "force of bridges that hold until they yield",
+        N_("turn the movement about under steady effort, fast and slowly"),
+        Fill("series-3", "\\"),
+        Nuisance(
+            "bridges",
+            OPTIONAL["bridges"],
+            Gaussian(23.0, 12.0, off=0.0),
+            "",
             "23 forces per length (Cui et al. 2008), over half to one and a half percent (Rack and "
-            "Westbury 1974; De Groote et al. 2018)", of_leg=True, departs=True, rare=True,
-            own=FrozenDict({"bridge_reach": Gaussian(0.01, 0.004, off=0.01)}))),
+            "Westbury 1974; De Groote et al. 2018)",
+            of_leg=True,
+            departs=True,
+            rare=True,
+            own=FrozenDict({"bridge_reach": Gaussian(0.01, 0.004, off=0.01)}),
+        ),
+    ),
     UncertaintySource(
-        "angle_zero", "zero of the angle", "how far the angle’s zero is from the ankle’s own",
-        N_("strap the foot tighter, or measure the angle at the ankle"), Fill("measured", "/"),
+        "angle_zero",
+        "zero of the angle",
+        "how far the angle’s zero is from the ankle’s own",
+        N_("strap the foot tighter, or measure the angle at the ankle"),
+        Fill("measured", "/"),
         # half of it another mounting by the same hands has anew; assumed
-        again=(0.0, 0.25), again_by=N_("let another reader set the zero of the angle too")),
+        again=(0.0, 0.25),
+        again_by=N_("let another reader set the zero of the angle too"),
+    ),
     UncertaintySource(
-        "population", "population prior", "the spread of legs in the population",
+        "population",
+        "population prior",
+        "the spread of legs in the population",
         N_("record more trials, with other movement and effort, and fit them together"),
-        Fill("surface", "+"), knowable=False),
+        Fill("surface", "+"),
+        knowable=False,
+    ),
     *ADDED.values(),
-)  # fmt: skip
+)
 #: All of them by name, in the order in which they are shown.
 SOURCES = {source.name: source for source in _SOURCES}
 #: Those that are estimated along with the leg, by group.

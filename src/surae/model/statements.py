@@ -29,8 +29,9 @@ RARE = 0.01
 
 _OFTEN = {
     None: "stated once: taken to be as unsure as methods and readers differ",
-    True: "stated twice", False: "stated twice, in contradiction",
-}  # fmt: skip
+    True: "stated twice",
+    False: "stated twice, in contradiction",
+}
 #: What somebody says of some numbers: each with its standard deviation.
 Stated = Mapping[str, tuple[float, float]]
 
@@ -86,8 +87,11 @@ class StatedAxis(Request):
     @property
     def statements(self) -> list[Stated]:
         """What each says of both ways."""
-        both = (v if isinstance(v, tuple) else (v, 0.0)
-                for v in (self.value, self.again) if v is not None)  # fmt: skip
+        both = (
+            v if isinstance(v, tuple) else (v, 0.0)
+            for v in (self.value, self.again)
+            if v is not None
+        )
         return [{"forward": (forward, self.sd), "up": (up, self.sd)} for forward, up in both]
 
 
@@ -114,7 +118,9 @@ class Pooled:
         ISO 5725-2:2019 (s_R² = s_r² + s_L²); R. T. Birge (1932), Physical Review 40:207-227; JCGM
         100:2008, F.1.2.3 and G.3.
         """
-        pooled, probability, said = dict[str, tuple[float, float]](), None, [first, second or {}]
+        pooled = dict[str, tuple[float, float]]()
+        probability = None
+        said = [first, second or {}]
         both = [name for name in said[0] if name in said[1]]
         pairs = [(said[0][name], said[1][name]) for name in both]
         square = sum((y - x) ** 2 / (s**2 + r**2) for (x, s), (y, r) in pairs)
@@ -140,8 +146,10 @@ class Pooled:
     def texts(self) -> tuple[str, ...]:
         """What each says, for readers."""
         unit = _OF[self.source][1]
-        return tuple(" and ".join(f"{value:.3g} ± {sd:.2g}{unit}" for value, sd in one.values())
-                     for one in self.statements)  # fmt: skip
+        return tuple(
+            " and ".join(f"{value:.3g} ± {sd:.2g}{unit}" for value, sd in one.values())
+            for one in self.statements
+        )
 
     @property
     def line(self) -> tuple[str, str, str]:

@@ -23,18 +23,24 @@ _SLIDES = 0.02
 #: small range cos θ is nearly constant, and goes with the zero.
 _WIDE = (0.1, 10.0, 10.0, 2.0, 3.0, 30.0)
 #: Part of the torque's changes that a plate has to explain [%] where they are more than noise [Nm].
-_EXPLAINED, _NOISE = 90.0, 0.3
+_EXPLAINED = 90.0
+_NOISE = 0.3
 #: An empty device has to move this far [rad].
 _MOVES = math.radians(5.0)
 
 
 def _terms(inputs: ModelInputs) -> FloatArray:
     """Torque of each term at 1, shape (n, 6)."""
-    angle, speed = inputs.angle, inputs.velocity
+    angle = inputs.angle
+    speed = inputs.velocity
     each = (
-        inputs.acceleration, np.cos(angle), np.sin(angle), speed, np.tanh(speed / _SLIDES),
+        inputs.acceleration,
+        np.cos(angle),
+        np.sin(angle),
+        speed,
+        np.tanh(speed / _SLIDES),
         np.ones(inputs.n),
-    )  # fmt: skip
+    )
     return np.stack(each, axis=1)
 
 
@@ -48,7 +54,9 @@ def tared(inputs: ModelInputs) -> Plate:
             f"{inputs.where}: the empty device moves {math.degrees(high - low):.2g}°; move it "
             "through the range of the trials"
         )
-    X, y, weight = _terms(inputs), inputs.torque, np.diag(1.0 / np.array(_WIDE) ** 2)
+    X = _terms(inputs)
+    y = inputs.torque
+    weight = np.diag(1.0 / np.array(_WIDE) ** 2)
     variance = 1.0
     for _ in range(3):
         covariance = np.linalg.inv(X.T @ X / variance + weight)

@@ -83,11 +83,15 @@ def tendon_shape(eps0: float, toe: float, k_toe: float, f_max: float) -> TendonS
     below = (1.0 - toe) * above + toe * k_toe * grown
     ratio = grown / above
     return (
-        eps0, toe, f_max,
+        eps0,
+        toe,
+        f_max,
         1.0 / toe - (k_toe * grown - above) / below,
-        1.0 / k_toe + 1.0 - grown * (1.0 + toe * k_toe) / below, ratio,
-        -f_max / eps0 * (k_toe * ratio - 1.0), -f_max / eps0 * toe * ratio * (1.0 - k_toe / above),
-    )  # fmt: skip
+        1.0 / k_toe + 1.0 - grown * (1.0 + toe * k_toe) / below,
+        ratio,
+        -f_max / eps0 * (k_toe * ratio - 1.0),
+        -f_max / eps0 * toe * ratio * (1.0 - k_toe / above),
+    )
 
 
 @jit

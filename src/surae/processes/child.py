@@ -59,7 +59,8 @@ class Child:
     """
 
     def __init__(self, nice: int = 0, calls: int | None = _CALLS) -> None:
-        self._nice, self._calls = nice, calls
+        self._nice = nice
+        self._calls = calls
         self._process: subprocess.Popen[bytes] | None = None
         self._end: weakref.finalize[..., Child] | None = None
         self._owner = 0
@@ -74,10 +75,15 @@ class Child:
         return None if self._process is None else self._process.pid
 
     def call(
-        self, function: str, arguments: Mapping[str, Plain], *, hear: Hear | None = None,
-        seconds: float | None = None, memory: int | None = None,
+        self,
+        function: str,
+        arguments: Mapping[str, Plain],
+        *,
+        hear: Hear | None = None,
+        seconds: float | None = None,
+        memory: int | None = None,
         unless: Callable[[], bool] = lambda: False,
-    ) -> End:  # fmt: skip
+    ) -> End:
         """Call a function, ``module:name``, and wait for what it returns.
 
         `hear` is called with every message that it tells on the way. When it has worked for
@@ -90,15 +96,22 @@ class Child:
             if self._closed or unless():
                 return End("cancelled", message="cancelled before it began")
             process = self._started()
-            self._busy, self._killed, self._interrupted = True, False, False
+            self._busy = True
+            self._killed = False
+            self._interrupted = False
             self._serial += 1
             serial = self._serial
         wait = None if seconds is None else _WAITING * seconds
         timer = None if wait is None else _later(wait, lambda: self._kill(serial))
         end: End | None = None
         try:
-            request = {"call": serial, "function": function, "arguments": arguments,
-                       "memory": memory, "seconds": seconds}  # fmt: skip
+            request = {
+                "call": serial,
+                "function": function,
+                "arguments": arguments,
+                "memory": memory,
+                "seconds": seconds,
+            }
             end = _conversation(process, request, hear)
         finally:
             if timer is not None:
@@ -169,9 +182,12 @@ def _ended(process: "subprocess.Popen[bytes]", owner: int) -> None:
 
 
 def guarded(
-    function: str, arguments: Mapping[str, Plain], *, seconds: float | None = None,
+    function: str,
+    arguments: Mapping[str, Plain],
+    *,
+    seconds: float | None = None,
     memory: int | None = None,
-) -> Plain:  # fmt: skip
+) -> Plain:
     """Call a function where it can do no harm: in a child that is kept for the next call.
 
     A child has one of its own for that, so that the limits hold there too; they are those of
@@ -202,7 +218,9 @@ def _copied() -> None:
     for made in (_keeping, _kept):
         made.cache_clear()
     for child in tuple(_children):
-        child._lock, child._busy, child._process = threading.Lock(), False, None
+        child._lock = threading.Lock()
+        child._busy = False
+        child._process = None
 
 
 if hasattr(os, "register_at_fork"):
@@ -222,11 +240,19 @@ def _start(nice: int) -> "subprocess.Popen[bytes]":
         f"import sys; sys.path[:] = {_import_path()!r}; "
         f"from surae.processes.inside import serve; serve({os.getpid()}, {nice})"
     )
-    return _starter(os.getpid()).submit(
-        subprocess.Popen, [sys.executable, "-P", "-c", code], stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, start_new_session=True,
-        env={**os.environ, "PYTHONSAFEPATH": "1", **dict.fromkeys(_THREADS, "1")},
-    ).result()  # fmt: skip
+    return (
+        _starter(os.getpid())
+        .submit(
+            subprocess.Popen,
+            [sys.executable, "-P", "-c", code],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+            env={**os.environ, "PYTHONSAFEPATH": "1", **dict.fromkeys(_THREADS, "1")},
+        )
+        .result()
+    )
 
 
 @cache

@@ -50,7 +50,9 @@ class _AtWork:
     """
 
     def __init__(self) -> None:
-        self.lock, self.serial, self.interrupted = threading.Lock(), 0, 0
+        self.lock = threading.Lock()
+        self.serial = 0
+        self.interrupted = 0
 
 
 def serve(parent: int, nice: int) -> None:

@@ -12,9 +12,12 @@ from pathlib import Path
 from typing import IO, Any
 
 #: The longest line, and the longest array, that is taken [bytes].
-_LINE, _MOST = 2**28, 2**34
+_LINE = 2**28
+_MOST = 2**34
 #: Marks where in a message a piece of bytes stands; what bytes are called; kinds of numbers.
-_MARK, _BYTES, _NUMBERS = "\0piece", "bytes", "biuf"
+_MARK = "\0piece"
+_BYTES = "bytes"
+_NUMBERS = "biuf"
 
 
 def send(stream: IO[bytes], message: Mapping[str, Any]) -> None:

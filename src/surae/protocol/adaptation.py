@@ -19,7 +19,8 @@ from surae.protocol.device import Device
 Motion = tuple[FloatArray, FloatArray, FloatArray]
 
 #: Cut-off frequencies that are tried [Hz].
-_LOWEST_CUTOFF, _HIGHEST_CUTOFF = 0.02, 100.0
+_LOWEST_CUTOFF = 0.02
+_HIGHEST_CUTOFF = 100.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,8 +46,15 @@ class Adaptation:
             steps.append(Message("plan/chirp", wanted=wanted, used=used, device=self.device))
         if self.cutoff_hz is not None:
             before, after = self.peak_velocity
-            steps.append(Message("plan/filtered", hz=self.cutoff_hz, device=self.device,
-                                 before=before, after=after))  # fmt: skip
+            steps.append(
+                Message(
+                    "plan/filtered",
+                    hz=self.cutoff_hz,
+                    device=self.device,
+                    before=before,
+                    after=after,
+                )
+            )
             if used > 0.0:
                 steps.append(Message("plan/chirp-left", left=self.chirp_end_amplitude))
         if self.span < 0.999:
@@ -75,9 +83,13 @@ def peaks(motion: Motion) -> tuple[float, float]:
 
 
 def fit_device(
-    device: Device, motion: Motion, *, rate_hz: float, highest_hz: float,
+    device: Device,
+    motion: Motion,
+    *,
+    rate_hz: float,
+    highest_hz: float,
     angle_range: tuple[float, float],
-) -> AdaptedMotion:  # fmt: skip
+) -> AdaptedMotion:
     """The motion filtered until the device can follow it, still over the whole range if it can.
 
     The motion spans `angle_range` [rad]; where `highest_hz`, the highest frequency in it, is
@@ -88,7 +100,8 @@ def fit_device(
     if _excess(device, motion) <= 1.0 and highest_hz <= device.bandwidth:
         return AdaptedMotion(motion)
 
-    spectrum, (low, high) = spectrum_of(motion[0]), angle_range
+    spectrum = spectrum_of(motion[0])
+    (low, high) = angle_range
 
     def filtered(cutoff_hz: float) -> AdaptedMotion:
         angle, velocity, acceleration = low_pass(spectrum, cutoff_hz, rate_hz)
@@ -106,10 +119,12 @@ def fit_device(
             candidate = filtered(float(np.sqrt(cutoff * too_high)))
             assert candidate.cutoff_hz is not None
             if _excess(device, candidate.motion) <= 1.0:
-                best, cutoff = candidate, candidate.cutoff_hz
+                best = candidate
+                cutoff = candidate.cutoff_hz
             else:
                 too_high = candidate.cutoff_hz
-    times, middle = max(1.0, _excess(device, best.motion)), sum(angle_range) / 2
+    times = max(1.0, _excess(device, best.motion))
+    middle = sum(angle_range) / 2
     angle, velocity, acceleration = best.motion
     shrunk = (middle + (angle - middle) / times, velocity / times, acceleration / times)
     return AdaptedMotion(shrunk, best.cutoff_hz, best.gain / times)

@@ -18,10 +18,15 @@ from surae.base.setting import renamed
 
 @renamed(range_of_motion="angle_range")
 @filed(
-    strict=True, max_velocity="max_velocity_rad_s", max_acceleration="max_acceleration_rad_s2",
-    max_torque="max_torque_Nm", bandwidth="bandwidth_Hz", inertia="inertia_kg_m2",
-    chirp_amplitudes="chirp_amplitudes_rad", angle_range="range_rad",
-)  # fmt: skip
+    strict=True,
+    max_velocity="max_velocity_rad_s",
+    max_acceleration="max_acceleration_rad_s2",
+    max_torque="max_torque_Nm",
+    bandwidth="bandwidth_Hz",
+    inertia="inertia_kg_m2",
+    chirp_amplitudes="chirp_amplitudes_rad",
+    angle_range="range_rad",
+)
 @dataclass(frozen=True, slots=True)
 class Device:
     """A manipulator; a limit that isn't known is infinite, and missing or null in files."""
@@ -72,7 +77,8 @@ def read_device(path: PathLike) -> Device:
     InputError
         The file cannot be read, or something in it is unknown, no number, or missing.
     """
-    where, toml = shown(path), read_toml(path)
+    where = shown(path)
+    toml = read_toml(path)
     if not toml.get("name"):
         raise InputError(f'{where}: give the device a name, e.g. name = "my robot"')
     toml = _in_radians(toml, where)
@@ -139,7 +145,8 @@ def allowed_range(
     if requested is None:
         low, high = TYPICAL_RANGE
         if reach is not None:
-            low, high = max(low, reach[0]), min(high, reach[1])
+            low = max(low, reach[0])
+            high = min(high, reach[1])
             low, high = (low, high) if low < high else reach
         return low, high
     low, high = requested

@@ -73,10 +73,13 @@ def _turn(text: str) -> tuple[str, ...]:
 
 
 #: A step of effort is held for so long, after and before a change [s].
-_HELD, _STEP_RISE = 2.0, 0.3
+_HELD = 2.0
+_STEP_RISE = 0.3
 #: A PRBS may change every so many seconds, as fast as a person follows a display, within such a
 #: time, between rest and such a level.
-_CLOCK, _CLOCK_RISE, _ON = 0.5, 0.2, 0.5
+_CLOCK = 0.5
+_CLOCK_RISE = 0.2
+_ON = 0.5
 
 TASKS: dict[str, Task] = {
     task.name: task
@@ -127,7 +130,9 @@ class Burst(NamedTuple):
 
 
 def _steps(end: float) -> Iterator[Burst]:
-    k, onset, length = 0, 0.5, _HELD + 2.0 * _STEP_RISE
+    k = 0
+    onset = 0.5
+    length = _HELD + 2.0 * _STEP_RISE
     while onset + length + GAP <= end:
         yield Burst(onset, length, 0.2 + 0.6 * _sequence(k, 0), k % 2)
         onset += length + GAP
@@ -136,7 +141,9 @@ def _steps(end: float) -> Iterator[Burst]:
 
 def _prbs(end: float) -> Iterator[Burst]:
     """A maximum-length sequence of 127 (x⁷ + x⁶ + 1): each run of ones is an effort."""
-    k, onset, register = 0, 0.5, 0b1010011
+    k = 0
+    onset = 0.5
+    register = 0b1010011
     while True:
         run = 0
         while run == 0 or register & 1:
@@ -158,7 +165,8 @@ def task_bursts(task: "Task", end: float) -> Iterator[Burst]:
         for k, burst in enumerate((_steps if task.name == "steps" else _prbs)(end)):
             yield burst._replace(direction=towards[k % len(turns)])
         return
-    k, onset = 0, task.passive_until
+    k = 0
+    onset = task.passive_until
     while onset + (length := 0.9 + 0.3 * _sequence(k, 1)) + GAP <= end:
         # Hard and easy efforts mix in either direction: 0.4 to 1 of the largest.
         yield Burst(onset, length, 0.4 + 0.6 * _sequence(k, 0), towards[k % len(turns)])

@@ -130,14 +130,16 @@ def read_protocol(path: PathLike) -> Trajectory:
         It cannot be read, lacks a column, or is no uniformly sampled protocol.
     """
     source = open_source(path)
-    table, where = open_table(source), source.shown
+    table = open_table(source)
+    where = source.shown
     if missing := [name for name in COLUMNS[1:] if name not in table.names]:
         raise InputError(
             f"{where}: no column {', '.join(missing)}; a protocol has {', '.join(COLUMNS)} "
             "(the effort from 0 to 1), as `surae protocol` writes them"
         )
     loaded = table.load(COLUMNS[1:])
-    time, angle = loaded["angle_rad"].time, loaded["angle_rad"].values
+    time = loaded["angle_rad"].time
+    angle = loaded["angle_rad"].values
     columns = {name: column.values for name, column in loaded.items()}
     if len(time) < 16 or not all(np.isfinite(each).all() for each in (time, *columns.values())):
         raise InputError(f"{where}: needs 16 samples or more, all of them numbers")

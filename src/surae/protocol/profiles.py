@@ -115,10 +115,19 @@ def sine(t: FloatArray) -> FloatArray:
 #: Slow, with long holds, while the subject is passive (to 11 s); then holds at many lengths,
 #: reached at 0.15 to 0.8 /s.
 MULTIPLE_HOLDS = (
-    Ramp(0.5, 1.0, 0.5), Ramp(5.0, 0.0, 0.25), Ramp(10.5, 0.5, 0.6), Ramp(12.5, 0.8, 0.15),
-    Ramp(15.5, 0.3, 0.6), Ramp(17.5, 1.0, 0.35), Ramp(20.8, 0.65, 0.8), Ramp(22.4, 0.1, 0.25),
-    Ramp(25.8, 0.9, 0.7), Ramp(28.1, 0.4, 0.4), Ramp(30.5, 0.7, 0.2), Ramp(32.8, 0.0, 0.6),
-)  # fmt: skip
+    Ramp(0.5, 1.0, 0.5),
+    Ramp(5.0, 0.0, 0.25),
+    Ramp(10.5, 0.5, 0.6),
+    Ramp(12.5, 0.8, 0.15),
+    Ramp(15.5, 0.3, 0.6),
+    Ramp(17.5, 1.0, 0.35),
+    Ramp(20.8, 0.65, 0.8),
+    Ramp(22.4, 0.1, 0.25),
+    Ramp(25.8, 0.9, 0.7),
+    Ramp(28.1, 0.4, 0.4),
+    Ramp(30.5, 0.7, 0.2),
+    Ramp(32.8, 0.0, 0.6),
+)
 
 
 #: Two ramps with holds, while the subject is passive; then sines.
@@ -162,29 +171,39 @@ PROFILES: dict[str, Profile] = {
     profile.name: profile
     for profile in (
         Profile(
-            "ramp-and-hold", 18.0, partial(ramps_and_holds, ramps=RAMP_AND_HOLD),
+            "ramp-and-hold",
+            18.0,
+            partial(ramps_and_holds, ramps=RAMP_AND_HOLD),
             N_("One ramp, a hold and the ramp back."),
         ),
         Profile("sine", 30.0, sine, N_("Sine of 0.20 Hz.")),
         Profile(
-            "multiple-holds", 35.0, partial(ramps_and_holds, ramps=MULTIPLE_HOLDS),
+            "multiple-holds",
+            35.0,
+            partial(ramps_and_holds, ramps=MULTIPLE_HOLDS),
             N_("Holds reached at various speeds."),
         ),
         Profile("multi-sine", 40.0, multi_sine, N_("A ramp and hold, then three sines added.")),
         Profile(
-            "multi-sine-holds", 40.0, partial(_spanning, _sine_product, duration=40.0),
+            "multi-sine-holds",
+            40.0,
+            partial(_spanning, _sine_product, duration=40.0),
             N_("Products of sines, slow to fast."),
         ),
         Profile(
-            "scaled-chirp", 40.0, partial(_spanning, _half_cosine_chirp, duration=40.0),
+            "scaled-chirp",
+            40.0,
+            partial(_spanning, _half_cosine_chirp, duration=40.0),
             N_("A chirp scaled by half a cosine."),
         ),
         Profile(
-            "isometric", 120.0, partial(ramps_and_holds, ramps=ISOMETRIC),
+            "isometric",
+            120.0,
+            partial(ramps_and_holds, ramps=ISOMETRIC),
             N_("Eight angles, each held: for efforts in steps or at random."),
         ),
     )
-}  # fmt: skip
+}
 
 
 def named_profile(name: str) -> Profile:
@@ -224,11 +243,14 @@ def base_range(
     amplitude = float(np.abs(added).max())
     # From the range that is safe whatever the phases, each end is moved out by the room that is
     # left. That room shrinks at every step: the sum follows `high` where the profile is near 1.
-    low, high = plantarflexed + amplitude, dorsiflexed - amplitude
+    low = plantarflexed + amplitude
+    high = dorsiflexed - amplitude
     for _ in range(200):
         total = low + (high - low) * fraction + added
-        above, below = dorsiflexed - float(total.max()), float(total.min()) - plantarflexed
-        high, low = high + above, low - below
+        above = dorsiflexed - float(total.max())
+        below = float(total.min()) - plantarflexed
+        high = high + above
+        low = low - below
         if max(abs(above), abs(below)) < 1e-13:
             break
     return low, high

@@ -54,26 +54,42 @@ class Protocol(MotionSettings):
     def __post_init__(self) -> None:
         """Check the settings."""
         object.__setattr__(self, "turns", tuple(self.turns))  # a list serves too
-        task, seconds, rate = self.effort_task, self.seconds, self.rate_hz
-        amplitude, rise = self.chirp_amplitude, self.chirp_rate
+        task = self.effort_task
+        seconds = self.seconds
+        rate = self.rate_hz
+        amplitude = self.chirp_amplitude
+        rise = self.chirp_rate
         low, high = allowed_range(self.device, self.angle_range)
         chirps = amplitude > 0.0
         for wrong, what in (
-            (not 0.0 <= amplitude < 0.5 * (high - low),
-             f"chirp amplitude {amplitude:g} rad: use 0 or more, and less than half the range of "
-             f"motion ({0.5 * (high - low):g} rad)"),
+            (
+                not 0.0 <= amplitude < 0.5 * (high - low),
+                f"chirp amplitude {amplitude:g} rad: use 0 or more, and less than "
+                f"half the range of "
+                f"motion ({0.5 * (high - low):g} rad)",
+            ),
             (not 0.0 < seconds < math.inf, f"duration {seconds:g} s: use more than 0 s"),
-            (not (0.0 < rate < math.inf and seconds * rate >= 2.0),
-             f"rate {rate:g} Hz: use one that gives three samples or more"),
-            (seconds <= task.passive_until < math.inf,
-             f"task {task.name!r} is passive to {task.passive_until:g} s, the whole of {seconds:g} "
-             "s; use a longer duration or task 'passive'"),
-            (chirps and not 0.0 < rise < math.inf,
-             f"chirp rate {rise:g} Hz/s: use more than 0, or a chirp amplitude of 0"),
-            (chirps and rise * seconds >= 0.5 * rate,
-             f"the chirp ends at {rise * seconds:g} Hz, too fast for samples at {rate:g} Hz; use a "
-             f"rate above {2 * rise * seconds:g} Hz"),
-        ):  # fmt: skip
+            (
+                not (0.0 < rate < math.inf and seconds * rate >= 2.0),
+                f"rate {rate:g} Hz: use one that gives three samples or more",
+            ),
+            (
+                seconds <= task.passive_until < math.inf,
+                f"task {task.name!r} is passive to {task.passive_until:g} s, the "
+                f"whole of {seconds:g} "
+                "s; use a longer duration or task 'passive'",
+            ),
+            (
+                chirps and not 0.0 < rise < math.inf,
+                f"chirp rate {rise:g} Hz/s: use more than 0, or a chirp amplitude of 0",
+            ),
+            (
+                chirps and rise * seconds >= 0.5 * rate,
+                f"the chirp ends at {rise * seconds:g} Hz, too fast for samples "
+                f"at {rate:g} Hz; use a "
+                f"rate above {2 * rise * seconds:g} Hz",
+            ),
+        ):
             if wrong:
                 raise InputError(what)
 
@@ -162,8 +178,10 @@ def generate(settings: Protocol) -> Trajectory:
     oversampling = math.ceil(_FINE_RATE / settings.rate_hz)
     fine_rate = settings.rate_hz * oversampling
     n = math.floor(settings.seconds * settings.rate_hz + 1e-9) + 1
-    grid, fine = (n, settings.rate_hz), ((n - 1) * oversampling + 1, fine_rate)
-    time, adaptation = _times(grid), None
+    grid = (n, settings.rate_hz)
+    fine = ((n - 1) * oversampling + 1, fine_rate)
+    time = _times(grid)
+    adaptation = None
     if settings.device is None:
         motion = _motion(settings, grid, fine)
     else:
@@ -215,7 +233,8 @@ def _profile(name: str, seconds: float, grid: _Grid) -> Motion:
     """
     profile = named_profile(name)
     stretch = profile.duration / seconds
-    own, h = _times(grid) * stretch, 2e-4
+    own = _times(grid) * stretch
+    h = 2e-4
     here = _position(name, seconds, grid)
     far_back, back, ahead, far_ahead = (profile.position(own + k * h) for k in (-2, -1, 1, 2))
     speed = (far_back - 8 * back + 8 * ahead - far_ahead) / (12 * h)
@@ -239,13 +258,22 @@ def _adapted(settings: Protocol, device: Device, fine: _Grid) -> tuple[Motion, A
     used = replace(settings, chirp_amplitude=amplitude)
     motion = wanted if used == settings else _motion(used, fine, fine)
     fitted = fit_device(
-        device, motion, rate_hz=fine[1], highest_hz=end_hz,
+        device,
+        motion,
+        rate_hz=fine[1],
+        highest_hz=end_hz,
         angle_range=settings.angle_range,
-    )  # fmt: skip
-    before, after = peaks(wanted), peaks(fitted.motion)
+    )
+    before = peaks(wanted)
+    after = peaks(fitted.motion)
     low, high = settings.angle_range
     span = (float(fitted.motion[0].max()) - float(fitted.motion[0].min())) / (high - low)
     return fitted.motion, Adaptation(
-        device.name, (settings.chirp_amplitude, amplitude), amplitude * fitted.response(end_hz),
-        fitted.cutoff_hz, (before[0], after[0]), (before[1], after[1]), span,
-    )  # fmt: skip
+        device.name,
+        (settings.chirp_amplitude, amplitude),
+        amplitude * fitted.response(end_hz),
+        fitted.cutoff_hz,
+        (before[0], after[0]),
+        (before[1], after[1]),
+        span,
+    )

@@ -7,7 +7,19 @@ from surae.quality.registry import CHECKS, Check, check_recording
 from surae.quality.used import used
 
 __all__ = [
-    "CHECKS", "CODES", "KINDS", "SEVERITIES", "Check", "Commanded", "Finding", "FindingKind",
-    "Quality", "Skipped", "check_recording", "commanded_file", "recording_of",
-    "recording_or_findings", "used",
-]  # fmt: skip
+    "CHECKS",
+    "CODES",
+    "KINDS",
+    "SEVERITIES",
+    "Check",
+    "Commanded",
+    "Finding",
+    "FindingKind",
+    "Quality",
+    "Skipped",
+    "check_recording",
+    "commanded_file",
+    "recording_of",
+    "recording_or_findings",
+    "used",
+]

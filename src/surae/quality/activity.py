@@ -16,7 +16,8 @@ from surae.recording import MUSCLES
 
 #: Activity as a part of the largest in the trial that a relaxed muscle stays below, and as a
 #: multiple of its own level of rest.
-RELAXED, ABOVE_REST = 0.06, 4.0
+RELAXED = 0.06
+ABOVE_REST = 4.0
 #: Seconds of activity that make a passive part active.
 ACTIVE_SECONDS = 0.25
 #: A normalised envelope at rest.
@@ -26,18 +27,24 @@ VARIES = 3.0
 #: Share of the requested bursts that may stay out.
 MISSED = 0.3
 #: Stillness after the first effort that is no pause: so long [s], and this share of what is left.
-STILL_SECONDS, STILL_SHARE = 5.0, 0.3
+STILL_SECONDS = 5.0
+STILL_SHARE = 0.3
 #: What angle alone leaves of the torque [Nm] of a leg at rest: less than 2 in measured and virtual
 #: passive trials.
 PASSIVE_LEFT = 4.0
 #: A muscle works above this part of its largest activity, other heads of the triceps go on above
 #: that. A head that worked with them for this part of so many seconds, and then shows noise alone
 #: for so many in which they work, has lost its electrode: of 960 virtual trials none comes to both.
-_WORKS, _GO_ON, _WITH_THEM, _BEFORE, _AFTER = 0.1, 0.3, 0.8, 1.0, 3.0
+_WORKS = 0.1
+_GO_ON = 0.3
+_WITH_THEM = 0.8
+_BEFORE = 1.0
+_AFTER = 3.0
 #: Torque in the direction of a silent muscle [Nm] that EMG does not explain, and so many times that
 #: before: no electrode that holds comes to both in them; one of the tibialis that is lost has 5 to
 #: 20 Nm, and mostly 2 to 8 times as much.
-_LEFT, _MORE = 4.0, 2.0
+_LEFT = 4.0
+_MORE = 2.0
 #: Both sides count as active above this part of their largest activity...
 TOGETHER = 0.25
 #: ...and so for more than this share of the time in which either is.
@@ -71,9 +78,14 @@ def passive_part(trial: CheckedTrial) -> Iterator[Finding]:
         where = np.flatnonzero(active)
         level = float(envelope[active].max())
         yield make_finding(
-            "passive-not-passive", channel.role, span_of(trial.time, where), level / top,
-            muscle=trial.names[muscle], seconds=seconds, percent=100 * level / top,
-        )  # fmt: skip
+            "passive-not-passive",
+            channel.role,
+            span_of(trial.time, where),
+            level / top,
+            muscle=trial.names[muscle],
+            seconds=seconds,
+            percent=100 * level / top,
+        )
 
 
 def active_part(trial: CheckedTrial) -> Iterator[Finding]:
@@ -104,14 +116,24 @@ def active_part(trial: CheckedTrial) -> Iterator[Finding]:
 
 
 def _never(
-    trial: CheckedTrial, which: str, role: str | None, muscles: tuple[str, ...],
-    severity: Severity = "warning", **values: Any,
-) -> Finding:  # fmt: skip
+    trial: CheckedTrial,
+    which: str,
+    role: str | None,
+    muscles: tuple[str, ...],
+    severity: Severity = "warning",
+    **values: Any,
+) -> Finding:
     most = max(quantile(trial.slow[m], 0.98) for m in muscles)
     return make_finding(
-        f"active-not-active/{which}", role, trial.span, most, severity=severity,
-        unit=trial.emg[muscles[0]].unit, joint=trial.joint, **values,
-    )  # fmt: skip
+        f"active-not-active/{which}",
+        role,
+        trial.span,
+        most,
+        severity=severity,
+        unit=trial.emg[muscles[0]].unit,
+        joint=trial.joint,
+        **values,
+    )
 
 
 def _rest(unit: str) -> float:
@@ -139,9 +161,13 @@ def _bursts(trial: CheckedTrial) -> Iterator[Finding]:
         return
     begins, ends = zip(*missed, strict=True)
     yield make_finding(
-        "active-not-active/bursts", None, (trial.time[min(begins)], trial.time[max(ends) - 1]),
-        len(missed) / total, n=len(missed), all=total,
-    )  # fmt: skip
+        "active-not-active/bursts",
+        None,
+        (trial.time[min(begins)], trial.time[max(ends) - 1]),
+        len(missed) / total,
+        n=len(missed),
+        all=total,
+    )
 
 
 def _stopped(trial: CheckedTrial) -> Iterator[Finding]:
@@ -154,17 +180,22 @@ def _stopped(trial: CheckedTrial) -> Iterator[Finding]:
     if seconds < STILL_SECONDS or last - first < STILL_SHARE * (len(active) - begun):
         return
     yield make_finding(
-        "active-not-active/stopped", None,
-        (trial.time[begun + first], trial.time[begun + last - 1]), seconds, unit="s",
+        "active-not-active/stopped",
+        None,
+        (trial.time[begun + first], trial.time[begun + last - 1]),
+        seconds,
+        unit="s",
         seconds=seconds,
-    )  # fmt: skip
+    )
 
 
 def silenced(trial: CheckedTrial) -> Iterator[Finding]:
     """Channels that fall silent for good, while heads beside them or the torque go on."""
     relative = {muscle: _relative(envelope) for muscle, envelope in trial.slow.items()}
     for muscle, own in relative.items():
-        works, channel, rate = own > _WORKS, trial.emg[muscle], trial.rate_hz
+        works = own > _WORKS
+        channel = trial.emg[muscle]
+        rate = trial.rate_hz
         end = len(own) - int(np.argmax(works[::-1])) + round(SLOW * rate)
         top = quantile(trial.slow[muscle], 0.98)
         if end > len(own) - _AFTER * rate or top < _rest(channel.unit):
@@ -174,7 +205,8 @@ def silenced(trial: CheckedTrial) -> Iterator[Finding]:
             continue  # it lives, or is flat, which is another finding
         heads = [relative[m] for m in trial.triceps if muscle not in (m, "ta")]
         beside = np.max([np.zeros_like(own), *heads], axis=0) > _GO_ON
-        with_them, after = works[:end][beside[:end]], beside[end:].sum() / rate
+        with_them = works[:end][beside[:end]]
+        after = beside[end:].sum() / rate
         lost = after >= _AFTER and len(with_them) >= _BEFORE * rate
         lost = lost and with_them.mean() >= _WITH_THEM
         if not lost and trial.model is not None:
@@ -184,9 +216,14 @@ def silenced(trial: CheckedTrial) -> Iterator[Finding]:
             lost = now > max(_LEFT, _MORE * before)
         if lost:
             yield make_finding(
-                "electrode-off/silent", channel.role, (trial.time[end], trial.time[-1]), high,
-                unit=channel.unit, muscle=trial.names[muscle], start=trial.time[end],
-            )  # fmt: skip
+                "electrode-off/silent",
+                channel.role,
+                (trial.time[end], trial.time[-1]),
+                high,
+                unit=channel.unit,
+                muscle=trial.names[muscle],
+                start=trial.time[end],
+            )
 
 
 def _relative(envelope: FloatArray) -> FloatArray:
@@ -196,7 +233,8 @@ def _relative(envelope: FloatArray) -> FloatArray:
 
 def co_contraction(trial: CheckedTrial) -> Iterator[Finding]:
     """Both sides of the ankle active at the same time, nearly throughout."""
-    triceps, ta = trial.group("triceps", fast=True), trial.group("ta", fast=True)
+    triceps = trial.group("triceps", fast=True)
+    ta = trial.group("ta", fast=True)
     if triceps is None or ta is None:
         raise Unjudged(f"There is no EMG of both sides of the {trial.joint.name}.")
     if all(quantile(e, 0.98) < _rest(trial.emg[m].unit) for m, e in trial.slow.items()):
@@ -205,7 +243,8 @@ def co_contraction(trial: CheckedTrial) -> Iterator[Finding]:
     levels = [smooth(envelope, width) for envelope in (triceps, ta)]
     tops = [max(quantile(level, 0.98), 1e-300) for level in levels]
     above = [level > TOGETHER * top for level, top in zip(levels, tops, strict=True)]
-    either, both = above[0] | above[1], above[0] & above[1]
+    either = above[0] | above[1]
+    both = above[0] & above[1]
     share = float(both.sum()) / max(float(either.sum()), 1.0)
     if share <= CO_CONTRACTION:
         return
@@ -215,6 +254,10 @@ def co_contraction(trial: CheckedTrial) -> Iterator[Finding]:
         raise Unjudged("Mains hum covers what the muscles do.")
     where = np.flatnonzero(both)
     yield make_finding(
-        "co-contraction", "emg_ta", span_of(trial.time, where), share,
-        joint=trial.joint, percent=100 * share,
-    )  # fmt: skip
+        "co-contraction",
+        "emg_ta",
+        span_of(trial.time, where),
+        share,
+        joint=trial.joint,
+        percent=100 * share,
+    )

@@ -17,7 +17,8 @@ _K_TIB = np.arange(70.0, 191.0, 20.0)
 #: A muscle whose activation is below this part of its largest is at rest.
 _RESTING = 0.03
 #: Rest that is needed [s], and the part of its range that the angle then goes through [rad].
-_SECONDS, _SPAN = 3.0, 0.35
+_SECONDS = 3.0
+_SPAN = 0.35
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,10 +95,12 @@ def _constant(matrix: FloatArray, y: FloatArray) -> RestLevel:
     scale[scale == 0.0] = 1.0
     gram = (matrix / scale).T @ (matrix / scale)
     right = (matrix / scale).T @ y
-    first, second = len(_K_TRI), len(_K_TRI) + len(_K_TIB)
+    first = len(_K_TRI)
+    second = len(_K_TRI) + len(_K_TIB)
     pairs = np.array([(i, j) for i in range(first) for j in range(first, second)])
     rest = np.arange(second, matrix.shape[1])
-    best, level = -np.inf, 0.0
+    best = -np.inf
+    level = 0.0
     # A muscle that pushes is left out: then only the other is there, or neither.
     weights, gains = _solved(gram, right, pairs, rest)
     pulling = weights[:, :2] > 0.0

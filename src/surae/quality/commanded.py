@@ -26,7 +26,8 @@ _RECOGNISED = 0.08
 _EXACT = 1e-3
 #: Where a residual is beyond this, the next best profile must leave so many times more: of excerpts
 #: of another motion two profiles leave about as much.
-_DOUBTFUL, _APART = 0.02, 1.5
+_DOUBTFUL = 0.02
+_APART = 1.5
 #: In a shorter trial [s] any profile fits.
 _SHORTEST = 15.0
 #: This close, no other profile and no other chirp is tried.
@@ -39,7 +40,8 @@ _COARSE = 1024
 _CHIRP_SHARE = 0.05
 #: Samples of the axis on which its line is looked for, enough for 3 Hz/s in a minute, and the part
 #: of the distance of two lines to which it is found.
-_CHIRP_SAMPLES, _CHIRP_LINE = 8192, 0.005
+_CHIRP_SAMPLES = 8192
+_CHIRP_LINE = 0.005
 #: Chirps rise faster than this [Hz/s]; what is slower is a misfit of the profile.
 _SLOWEST = 0.08
 
@@ -208,7 +210,8 @@ def _chirp(residual: FloatArray, seconds: FloatArray) -> FloatArray | None:
         return None
     # Between the lines of the spectrum, finer and finer.
     phase = np.pi * resolution * seconds**2
-    weighted, width = residual * seconds, 0.5
+    weighted = residual * seconds
+    width = 0.5
 
     def alike(line: float) -> float:
         return abs(float(np.sin(line * phase) @ weighted))

@@ -23,7 +23,9 @@ ONE_STRENGTH = 2.0
 DROPOUT = 0.5
 #: Raw EMG that keeps one value for so long [s], so many times, has lost pieces; each ends in a jump
 #: of more than so many of the recorder's digits, where a muscle at rest changes by one.
-_GAP, _GAPS, _DIGITS = 0.02, 3, 3.0
+_GAP = 0.02
+_GAPS = 3
+_DIGITS = 3.0
 #: A channel whose activity never reaches this part of the strongest channel's is without contact:
 #: muscles of one leg differ by a factor of ten at most.
 SILENT = 0.01
@@ -37,9 +39,12 @@ CLIPPED_EXCESS = 1.0
 ONE_SIGNAL = {"raw": 0.95, "envelope": 1.0 - 1e-6}
 #: Power of EMG in the last eighth below half the sampling rate over that below it, from 40 Hz on:
 #: small where EMG was filtered before it was sampled, about one where it was not.
-FOLDED, _NYQUIST_PART, _EMG_HZ = 0.65, 0.875, 40.0
+FOLDED = 0.65
+_NYQUIST_PART = 0.875
+_EMG_HZ = 40.0
 #: Length of the pieces of which the spectrum is taken [s], and the fewest that tell it.
-_PIECE_S, _PIECES = 0.25, 16
+_PIECE_S = 0.25
+_PIECES = 16
 #: Power in the strongest quarter of the pieces over that in the quietest, from which on there is an
 #: effort: twice the level. The noise of an amplifier at rest has no effort to tell of.
 _EFFORT = 4.0
@@ -72,32 +77,45 @@ def kind(trial: CheckedTrial) -> Iterator[Finding]:
             if declared == "raw":
                 advice += "; a fit refuses it else, unless all signals are prepared (--prepared)"
             yield make_finding(
-                "emg-kind", role, trial.span, float(channel.values.min()), advice="emg-kind/looks",
+                "emg-kind",
+                role,
+                trial.span,
+                float(channel.values.min()),
+                advice="emg-kind/looks",
                 # An envelope is right where all signals are prepared, as --prepared says.
-                severity="error" if declared == "envelope" else "warning", unit=channel.unit,
-                statement=f"{statement})", advised=f"{advice[:1].upper()}{advice[1:]}",
-            )  # fmt: skip
+                severity="error" if declared == "envelope" else "warning",
+                unit=channel.unit,
+                statement=f"{statement})",
+                advised=f"{advice[:1].upper()}{advice[1:]}",
+            )
             return
 
 
 def missing(trial: CheckedTrial) -> Iterator[Finding]:
     """Muscles without an EMG channel."""
     for muscle in MUSCLES:
-        role, weight = f"emg_{muscle}", weight_of(muscle)
+        role = f"emg_{muscle}"
+        weight = weight_of(muscle)
         if role in trial.recording.channels:
             continue
         is_fixed = weight in trial.recording.fixed
         yield make_finding(
-            "emg-missing/fixed" if is_fixed else "emg-missing", role, trial.span, None,
+            "emg-missing/fixed" if is_fixed else "emg-missing",
+            role,
+            trial.span,
+            None,
             advice="" if is_fixed else "emg-missing/named",
-            severity="info" if is_fixed else "warning", muscle=trial.names[muscle], weight=weight,
-        )  # fmt: skip
+            severity="info" if is_fixed else "warning",
+            muscle=trial.names[muscle],
+            weight=weight,
+        )
 
 
 def flat(trial: CheckedTrial) -> Iterator[Finding]:
     """Channels, or parts of them, that are constant or far below the others."""
     tops = {m: quantile(e, 0.98) for m, e in trial.slow.items()}
-    strongest, raw = max(tops.values(), default=0.0), trial.emg_kind == "raw"
+    strongest = max(tops.values(), default=0.0)
+    raw = trial.emg_kind == "raw"
     for muscle, channel in trial.emg.items():
         if muscle not in tops:
             yield _flat(trial, channel, "constant", level=float(channel.values[0]) + 0.0)
@@ -116,7 +134,8 @@ def _dropouts(trial: CheckedTrial, channel: Channel) -> Iterator[Finding]:
     long = length > DROPOUT * channel.rate_hz
     if trial.emg_kind == "envelope":
         # An envelope without noise rests at its smallest value, again and again.
-        low, high = float(values.min()), float(values.max())
+        low = float(values.min())
+        high = float(values.max())
         at_rest = values[first] <= low + 0.02 * (high - low)
         held = length[long & at_rest]
         if len(held) > 1 or held.sum() > 0.8 * length[at_rest].sum():
@@ -127,38 +146,62 @@ def _dropouts(trial: CheckedTrial, channel: Channel) -> Iterator[Finding]:
         yield from _gaps(trial, channel)
     for begin, count in zip(first[long], length[long], strict=True):
         yield _flat(
-            trial, channel, "part", int(begin), int(begin + count - 1), level=values[begin],
+            trial,
+            channel,
+            "part",
+            int(begin),
+            int(begin + count - 1),
+            level=values[begin],
             seconds=count / channel.rate_hz,
-        )  # fmt: skip
+        )
 
 
 def _gaps(trial: CheckedTrial, channel: Channel) -> Iterator[Finding]:
     """Short pieces of raw EMG that were lost: zeros, or the last value held."""
-    values, rate = channel.values, channel.rate_hz
+    values = channel.values
+    rate = channel.rate_hz
     first, length = (each[:-1] for each in equal_runs(values))
     steps = np.abs(np.diff(values))  # the last of a run's samples is followed by its jump
     lost = (length >= _GAP * rate) & (length <= DROPOUT * rate)
     lost &= steps[first + length - 1] > _DIGITS * np.min(steps, where=steps > 0.0, initial=np.inf)
     lost &= (values[first] > values.min()) & (values[first] < values.max())  # that is clipped
     if (n := int(lost.sum())) >= _GAPS:
-        first, length = first[lost], length[lost]
+        first = first[lost]
+        length = length[lost]
         yield _flat(
-            trial, channel, "lost", int(first[0]), int(first[-1] + length[-1] - 1), n=n,
+            trial,
+            channel,
+            "lost",
+            int(first[0]),
+            int(first[-1] + length[-1] - 1),
+            n=n,
             seconds=float(length.sum()) / rate,
-        )  # fmt: skip
+        )
 
 
 def _flat(
-    trial: CheckedTrial, channel: Channel, which: str, first: int = 0, last: int = -1,
+    trial: CheckedTrial,
+    channel: Channel,
+    which: str,
+    first: int = 0,
+    last: int = -1,
     **values: Any,
-) -> Finding:  # fmt: skip
-    start, end = float(channel.time[first]), float(channel.time[last])
-    whole, muscle = (start, end) == span_of(channel.time), channel.role.removeprefix("emg_")
+) -> Finding:
+    start = float(channel.time[first])
+    end = float(channel.time[last])
+    whole = (start, end) == span_of(channel.time)
+    muscle = channel.role.removeprefix("emg_")
     return make_finding(
-        f"emg-flat/{which}", channel.role, (start, end), values.get("seconds", end - start),
-        severity="error" if whole else "warning", advice="emg-flat/whole" if whole else "",
-        muscle=trial.names[muscle], weight=weight_of(muscle), **values,
-    )  # fmt: skip
+        f"emg-flat/{which}",
+        channel.role,
+        (start, end),
+        values.get("seconds", end - start),
+        severity="error" if whole else "warning",
+        advice="emg-flat/whole" if whole else "",
+        muscle=trial.names[muscle],
+        weight=weight_of(muscle),
+        **values,
+    )
 
 
 def doubled(trial: CheckedTrial) -> Iterator[Finding]:
@@ -168,9 +211,13 @@ def doubled(trial: CheckedTrial) -> Iterator[Finding]:
         r = abs(correlation(one.values, two.values)) if same else 0.0
         if r > ONE_SIGNAL[trial.emg_kind]:
             yield make_finding(
-                "emg-doubled", two.role, span_of(two.time), r,
-                muscle=trial.names[other], other=trial.names[muscle],
-            )  # fmt: skip
+                "emg-doubled",
+                two.role,
+                span_of(two.time),
+                r,
+                muscle=trial.names[other],
+                other=trial.names[muscle],
+            )
 
 
 def clipped(trial: CheckedTrial) -> Iterator[Finding]:
@@ -180,18 +227,25 @@ def clipped(trial: CheckedTrial) -> Iterator[Finding]:
         values = channel.values - (float(np.median(channel.values)) if raw else 0.0)
         # An offset may hide a side; an envelope rests at its smallest value.
         for side in (values, -values) if raw else (values,):
-            top, span = float(side.max()), float(np.ptp(side))
+            top = float(side.max())
+            span = float(np.ptp(side))
             where = np.flatnonzero(side >= top - 1e-9 * span)
-            count, share = len(where), len(where) / len(values)
+            count = len(where)
+            share = len(where) / len(values)
             beside = int((side >= top - 0.01 * span).sum()) - count
             if top <= 0.0 or count < max(CLIPPED_SAMPLES, CLIPPED_EXCESS * beside) or share > 0.5:
                 continue
             level = float(channel.values[where[0]])
             yield make_finding(
-                "emg-clipped", channel.role, span_of(channel.time, where), share,
-                severity="warning" if share < 1e-3 else "error", n=count,
-                muscle=trial.names[muscle], level=quantity(level, channel),
-            )  # fmt: skip
+                "emg-clipped",
+                channel.role,
+                span_of(channel.time, where),
+                share,
+                severity="warning" if share < 1e-3 else "error",
+                n=count,
+                muscle=trial.names[muscle],
+                level=quantity(level, channel),
+            )
             break
 
 
@@ -203,9 +257,15 @@ def aliased(trial: CheckedTrial) -> Iterator[Finding]:
     for muscle, channel in trial.varying.items():
         if channel.rate_hz < least and channel.values.min() < 0.0:
             yield make_finding(
-                "emg-aliased/slow", channel.role, span_of(channel.time), channel.rate_hz,
-                severity="error", muscle=trial.names[muscle], hz=channel.rate_hz, least=least,
-            )  # fmt: skip
+                "emg-aliased/slow",
+                channel.role,
+                span_of(channel.time),
+                channel.rate_hz,
+                severity="error",
+                muscle=trial.names[muscle],
+                hz=channel.rate_hz,
+                least=least,
+            )
             continue
         size = round(_PIECE_S * channel.rate_hz)
         pieces = channel.values[: len(channel.values) // size * size].reshape(-1, size)
@@ -213,7 +273,8 @@ def aliased(trial: CheckedTrial) -> Iterator[Finding]:
             continue
         power = np.abs(np.fft.rfft((pieces - pieces.mean(axis=1)[:, None]) * np.hanning(size))) ** 2
         total = power.sum(axis=1)
-        strong, quarter = np.argsort(total), len(pieces) // 4
+        strong = np.argsort(total)
+        quarter = len(pieces) // 4
         if total[strong[-quarter:]].mean() < _EFFORT * total[strong[:quarter]].mean():
             continue
         # of efforts alone: an amplifier's own noise is as loud at all frequencies
@@ -223,9 +284,13 @@ def aliased(trial: CheckedTrial) -> Iterator[Finding]:
         ratio = float(own[near].mean() / max(own[(at > _EMG_HZ) & ~near].mean(), 1e-300))
         if ratio > FOLDED:
             yield make_finding(
-                "emg-aliased", channel.role, span_of(channel.time), ratio,
-                muscle=trial.names[muscle], hz=0.5 * channel.rate_hz,
-            )  # fmt: skip
+                "emg-aliased",
+                channel.role,
+                span_of(channel.time),
+                ratio,
+                muscle=trial.names[muscle],
+                hz=0.5 * channel.rate_hz,
+            )
 
 
 def offset(trial: CheckedTrial) -> Iterator[Finding]:
@@ -244,18 +309,24 @@ def offset(trial: CheckedTrial) -> Iterator[Finding]:
             limit = FLOOR
         if ratio > limit:
             yield make_finding(
-                f"emg-offset/{trial.emg_kind}", channel.role, span_of(channel.time), level,
+                f"emg-offset/{trial.emg_kind}",
+                channel.role,
+                span_of(channel.time),
+                level,
                 severity="warning" if trial.emg_kind == "raw" or ratio > BAD_FLOOR else "info",
-                unit=channel.unit, muscle=trial.names[muscle], level=quantity(level, channel),
+                unit=channel.unit,
+                muscle=trial.names[muscle],
+                level=quantity(level, channel),
                 percent=100 * ratio,
-            )  # fmt: skip
+            )
 
 
 def artefact(trial: CheckedTrial) -> Iterator[Finding]:
     """Spikes no muscle makes, and slow swings in raw EMG."""
     for muscle, channel in trial.varying.items():
         values = channel.values - float(np.median(channel.values))
-        size, apart = np.abs(values), round(0.2 * channel.rate_hz)
+        size = np.abs(values)
+        apart = round(0.2 * channel.rate_hz)
         seconds = float(channel.time[-1] - channel.time[0])
         usual = quantile(size, max(0.95, 1.0 - _OFTEN / seconds))
         wrong = size > SPIKE[trial.emg_kind] * usual
@@ -273,8 +344,14 @@ def artefact(trial: CheckedTrial) -> Iterator[Finding]:
         where = np.flatnonzero(wrong)
         worst = int(np.argmax(np.where(wrong, size, 0.0)))
         yield make_finding(
-            "emg-artefact", channel.role, span_of(channel.time, where), float(size[worst]),
-            unit=channel.unit, muscle=trial.names[muscle], n=len(spans),
-            size=quantity(float(size[worst]), channel), at=channel.time[worst],
+            "emg-artefact",
+            channel.role,
+            span_of(channel.time, where),
+            float(size[worst]),
+            unit=channel.unit,
+            muscle=trial.names[muscle],
+            n=len(spans),
+            size=quantity(float(size[worst]), channel),
+            at=channel.time[worst],
             advice="emg-artefact/spread" if where[-1] - where[0] > 0.5 * len(size) else "",
-        )  # fmt: skip
+        )

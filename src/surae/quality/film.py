@@ -13,15 +13,21 @@ from surae.recording import Channel
 #: Fascicles of the ankle's muscles are within these lengths [m].
 _LENGTHS = (0.01, 0.2)
 #: Frames that may be lost, as a part of all, and the longest pause that is none [frames].
-_LOST, _PAUSE = 0.02, 1.5
+_LOST = 0.02
+_PAUSE = 1.5
 #: Part of the frames that may repeat the one before where the fascicle moves by so much [m] within
 #: nine frames.
-_REPEATED, _MOVES = 0.1, 5e-4
+_REPEATED = 0.1
+_MOVES = 5e-4
 #: A jump is larger than this [m], and so many times the steps around it.
-_JUMP, _ALONE = 3e-3, 4.0
+_JUMP = 3e-3
+_ALONE = 4.0
 #: A film that is this much [s] early or late is found where angle and torque leave more than this
 #: [m] of it, and the shift takes away this part of its square.
-_LATE, _LATEST, _LEFT, _LESS = 0.04, 0.5, 5e-4, 0.3
+_LATE = 0.04
+_LATEST = 0.5
+_LEFT = 5e-4
+_LESS = 0.3
 #: Drift over the trial [m] that a fit's own drift of 1 to 2 mm no longer covers.
 _DRIFT = 4e-3
 _FEWEST = 32
@@ -84,15 +90,18 @@ def jumps(trial: CheckedTrial) -> Iterator[Finding]:
 def against_the_robot(trial: CheckedTrial) -> Iterator[Finding]:
     """A film that is early, late or drifts, by what angle and torque say of the length."""
     for channel in _fascicles(trial):
-        first, last = trial.span[0] + _LATEST, trial.span[1] - _LATEST
+        first = trial.span[0] + _LATEST
+        last = trial.span[1] - _LATEST
         inside = (channel.time > first) & (channel.time < last)
         likely = _LENGTHS[0] <= float(np.median(channel.values)) <= _LENGTHS[1]
         if trial.torque is None or not likely or inside.sum() < _FEWEST:
             continue
-        time, length = channel.time[inside], channel.values[inside]
+        time = channel.time[inside]
+        length = channel.values[inside]
         late = np.arange(-_LATEST, _LATEST + 1e-9, 0.01)
         left = np.array([np.sum(_unexplained(trial, time - by, length) ** 2) for by in late])
-        here, best = float(left[np.argmin(np.abs(late))]), int(np.argmin(left))
+        here = float(left[np.argmin(np.abs(late))])
+        best = int(np.argmin(left))
         by = float(late[best])
         if abs(by) > _LATE and here > len(time) * _LEFT**2 and left[best] < (1.0 - _LESS) * here:
             which = "film-clock/late" if by > 0.0 else "film-clock/early"

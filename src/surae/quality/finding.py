@@ -17,9 +17,14 @@ Severity = Literal["info", "warning", "error"]
 SEVERITIES: tuple[Severity, ...] = ("info", "warning", "error")
 #: Errors by which a recording is another than its file says: nothing that is made of it holds.
 NOT_AS_STATED = {
-    "angle-sign", "angle-units", "electrodes-swapped", "emg-unit", "time-unit", "torque-sign",
+    "angle-sign",
+    "angle-units",
+    "electrodes-swapped",
+    "emg-unit",
+    "time-unit",
+    "torque-sign",
     "torque-unit",
-}  # fmt: skip
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,14 +112,21 @@ class Quality(Tabular):
         return TextTable(
             ("severity", "code", "channel", "from [s]", "to [s]", "found", "what to do"),
             tuple(
-                (f.severity, f.code, f.channel or "", f"{f.start_s:.2f}", f"{f.end_s:.2f}",
-                 f.message, f.advice)
+                (
+                    f.severity,
+                    f.code,
+                    f.channel or "",
+                    f"{f.start_s:.2f}",
+                    f"{f.end_s:.2f}",
+                    f.message,
+                    f.advice,
+                )
                 for f in self.findings
             ),
             above=(f"{self.recording}: {self.summary}",),
             below=tuple(f"not checked: {skip.check}: {skip.reason}" for skip in self.skipped),
             numbers=("from [s]", "to [s]"),
-        )  # fmt: skip
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data, as it is written to files."""
@@ -156,10 +168,18 @@ CODES = tuple(KINDS)
 
 
 def make_finding(
-    which: str, channel: str | None, span: tuple[float, float], value: float | None, *,
-    severity: Severity | None = None, unit: str | None = None, advice: str = "",
-    says: Message | None = None, joint: Joint = ANKLE, **values: Any,
-) -> Finding:  # fmt: skip
+    which: str,
+    channel: str | None,
+    span: tuple[float, float],
+    value: float | None,
+    *,
+    severity: Severity | None = None,
+    unit: str | None = None,
+    advice: str = "",
+    says: Message | None = None,
+    joint: Joint = ANKLE,
+    **values: Any,
+) -> Finding:
     """A finding; what is not given is as of its kind.
 
     The sentences of `which`, and of `advice` where that is another one or a message, are filled in
@@ -172,7 +192,13 @@ def make_finding(
         known = own if own in english() else f"advice/{code}"
         advice = Message(known, joint.worded, **values)
     return Finding(
-        code, severity or kind.severity, channel, float(span[0]), float(span[1]), value,
+        code,
+        severity or kind.severity,
+        channel,
+        float(span[0]),
+        float(span[1]),
+        value,
         kind.unit if unit is None else unit,
-        says or Message(f"found/{which}", joint.worded, **values), advice,
-    )  # fmt: skip
+        says or Message(f"found/{which}", joint.worded, **values),
+        advice,
+    )

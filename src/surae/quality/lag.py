@@ -11,7 +11,8 @@ from surae.quality.trial import CheckedTrial
 
 #: Lead and lag of all EMG for the torque [s]. True activation may be 30 ms faster or slower than
 #: the one assumed, and muscles and tendons take their time. `surae.inference.diagnosis` tells more.
-EARLY, LATE = 0.16, 0.1
+EARLY = 0.16
+LATE = 0.1
 #: Lag of a head of the triceps for the others [s]. Heads do begin apart, by up to 0.15 s in a burst
 #: of the thesis's tasks and by 0.16 s on average in short trials of few bursts.
 ELECTRODE = 0.19
@@ -54,9 +55,13 @@ def electrode_lag(trial: CheckedTrial) -> Iterator[Finding]:
 
 def _finding(trial: CheckedTrial, muscle: str, lag: float, beside: str) -> Finding:
     return make_finding(
-        f"electrode-lag/{'later' if lag > 0.0 else 'earlier'}-{beside}", f"emg_{muscle}",
-        trial.span, lag, muscle=trial.names[muscle], ms=1e3 * abs(lag),
-    )  # fmt: skip
+        f"electrode-lag/{'later' if lag > 0.0 else 'earlier'}-{beside}",
+        f"emg_{muscle}",
+        trial.span,
+        lag,
+        muscle=trial.names[muscle],
+        ms=1e3 * abs(lag),
+    )
 
 
 def _lag(trial: CheckedTrial, muscle: str) -> float | None:
@@ -65,7 +70,8 @@ def _lag(trial: CheckedTrial, muscle: str) -> float | None:
     mine = smooth(trial.fast[muscle], width)[::_STEP]
     others = [trial.fast[m] for m in trial.triceps if m != muscle]
     together = smooth(np.mean([o / max(float(o.max()), 1e-300) for o in others], axis=0), width)
-    together, rate = together[::_STEP], trial.rate_hz / _STEP
+    together = together[::_STEP]
+    rate = trial.rate_hz / _STEP
     lags = np.arange(-round(0.6 * rate), round(0.6 * rate) + 1)
     alike = correlations(mine, together, lags)
     best = int(np.argmax(alike))
@@ -77,7 +83,8 @@ def _one_side(trial: CheckedTrial) -> tuple[str, float] | None:
     model = trial.model
     if model is None or not model.known or len(model.group_lag) < 2:
         return None
-    ta, triceps = model.group_lag["ta"], model.group_lag["triceps"]
+    ta = model.group_lag["ta"]
+    triceps = model.group_lag["triceps"]
     # The triceps makes most of the torque: its lag is the better known.
     # A lag at the end of those that are tried is no minimum.
     known = abs(ta) < 0.95 * LONGEST

@@ -28,7 +28,8 @@ SMALLEST = 0.02
 
 def hum(trial: CheckedTrial) -> Iterator[Finding]:
     """Channels with mains hum."""
-    slow, heard = None, False
+    slow = None
+    heard = False
     for muscle, channel in trial.varying.items():
         if channel.rate_hz < 2.2 * MAINS[-1]:
             slow = channel.rate_hz
@@ -40,11 +41,17 @@ def hum(trial: CheckedTrial) -> Iterator[Finding]:
             continue
         heard = True
         yield make_finding(
-            "mains-hum", channel.role, span_of(channel.time), amplitude,
-            severity="warning" if amplitude < rms else "error", unit=channel.unit,
-            muscle=trial.names[muscle], hz=frequency, size=quantity(amplitude, channel),
+            "mains-hum",
+            channel.role,
+            span_of(channel.time),
+            amplitude,
+            severity="warning" if amplitude < rms else "error",
+            unit=channel.unit,
+            muscle=trial.names[muscle],
+            hz=frequency,
+            size=quantity(amplitude, channel),
             part=amplitude / rms,
-        )  # fmt: skip
+        )
     if slow is not None and not heard:
         raise Unjudged(f"EMG at {slow:g} Hz cannot show {MAINS[-1]:g} Hz.")
 
@@ -52,7 +59,8 @@ def hum(trial: CheckedTrial) -> Iterator[Finding]:
 def line(channel: Channel) -> tuple[float, float]:
     """Amplitude and frequency [Hz] of the loudest line of the mains; amplitude 0 without."""
     values: FloatArray = channel.values - float(channel.values.mean())
-    n, rate = len(values), channel.rate_hz
+    n = len(values)
+    rate = channel.rate_hz
     loudest = (0.0, MAINS[0])
     if n < 2.0 * rate:
         return loudest
@@ -69,7 +77,8 @@ def line(channel: Channel) -> tuple[float, float]:
         mixed = (blocks @ within.real + 1j * (blocks @ within.imag)) * begun
         power = np.abs(np.fft.fft(mixed)) ** 2
         frequency = np.fft.fftfreq(len(mixed), block / rate)
-        near, around = np.abs(frequency) <= reach, np.abs(frequency) <= _AROUND
+        near = np.abs(frequency) <= reach
+        around = np.abs(frequency) <= _AROUND
         usual = float(np.median(power[around & (np.abs(frequency) > 2.0 * reach)]))
         peak = int(np.argmax(np.where(near, power, -1.0)))
         if power[peak] > LINE * usual:
@@ -110,11 +119,18 @@ def off(trial: CheckedTrial) -> Iterator[Finding]:
         heard = (last - first) * _PIECE >= _SHORTEST and (count - last) * _PIECE < _SHORTEST
         if not first or not heard:
             continue  # one that hears its muscle again has not come off
-        now, rest = float(np.median(hum[first:last])), np.delete(hum, slice(first, last))
+        now = float(np.median(hum[first:last]))
+        rest = np.delete(hum, slice(first, last))
         if now >= _TIMES * float(np.median(rest)):
             start, end = channel.time[[first * size, min(last * size, len(channel.time) - 1)]]
             yield make_finding(
-                "electrode-off", channel.role, (start, end), now, unit=channel.unit, start=start,
+                "electrode-off",
+                channel.role,
+                (start, end),
+                now,
+                unit=channel.unit,
+                start=start,
                 muscle=trial.names[channel.role.removeprefix("emg_")],
-                size=quantity(now, channel), hz=MAINS[mains],
-            )  # fmt: skip
+                size=quantity(now, channel),
+                hz=MAINS[mains],
+            )

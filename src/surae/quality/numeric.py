@@ -24,7 +24,8 @@ def smooth(values: FloatArray, width: int) -> FloatArray:
     np.subtract(total[2 * half + 1 :], total[: max(n - 2 * half, 0)], out=averaged[inner])
     averaged[inner] /= 2 * half + 1
     ends = np.r_[0 : min(half, n), max(n - half, min(half, n)) : n]
-    first, last = np.maximum(ends - half, 0), np.minimum(ends + half + 1, n)
+    first = np.maximum(ends - half, 0)
+    last = np.minimum(ends + half + 1, n)
     averaged[ends] = (total[last] - total[first]) / (last - first)
     return averaged
 
@@ -80,7 +81,8 @@ def equal_runs(values: FloatArray) -> tuple[IndexArray, IndexArray]:
 
 def correlations(a: FloatArray, b: FloatArray, lags: IndexArray) -> FloatArray:
     """Pearson's correlation of `a`, advanced by each lag, with `b`: nothing beyond their ends."""
-    a, b = a - a.mean(), b - b.mean()
+    a = a - a.mean()
+    b = b - b.mean()
     size = 1 << (2 * len(a) - 1).bit_length()
     products = np.fft.irfft(np.fft.rfft(a, size) * np.conj(np.fft.rfft(b, size)), size)
     scale = float(np.sqrt((a @ a) * (b @ b)))
@@ -89,6 +91,7 @@ def correlations(a: FloatArray, b: FloatArray, lags: IndexArray) -> FloatArray:
 
 def correlation(a: FloatArray, b: FloatArray) -> float:
     """Pearson's correlation; 0 where one of the two is constant."""
-    a, b = a - a.mean(), b - b.mean()
+    a = a - a.mean()
+    b = b - b.mean()
     scale = float(np.sqrt((a @ a) * (b @ b)))
     return float(a @ b) / scale if scale > 0.0 else 0.0

@@ -11,7 +11,8 @@ from surae.quality.trial import RATE, CheckedTrial, Signals, to_radians
 from surae.recording import Recording
 
 #: No ankle goes further than this from neutral [rad]: 63° up, 92° down.
-HIGHEST, LOWEST = 1.1, -1.6
+HIGHEST = 1.1
+LOWEST = -1.6
 #: Range of motion that determines the passive parameters [rad]: 60 % of the healthy 1.5 rad.
 ROM = 0.9
 #: Below this, not even the optimal lengths are determined.
@@ -23,21 +24,29 @@ REACHED = 0.9
 DEPARTURE = 0.015
 #: Range [rad], time [s] and bandwidth [Hz] of small random perturbations: a held foot trembles by
 #: less.
-PERTURBED, PERTURBED_S, PERTURBED_HZ = (0.01, 0.175), 20.0, 5.0
+PERTURBED = (0.01, 0.175)
+PERTURBED_S = 20.0
+PERTURBED_HZ = 5.0
 #: They go on: most stretches of so many seconds have this part of the least range, where a foot
 #: that is put in its place has moved once.
-_GOES_ON_S, _GOES_ON = 2.0, 0.5
+_GOES_ON_S = 2.0
+_GOES_ON = 0.5
 #: Least speed [rad/s] and range [rad] of a stretch, and its hold [s], as in `surae-nerve`; speed of
 #: a fast one [rad/s] (Tardieu's V3: as fast as possible), and a slow one's part of it.
-RAMP, FAST, SLOWER = (0.035, 0.087, 0.2), 1.7, 0.4
+RAMP = (0.035, 0.087, 0.2)
+FAST = 1.7
+SLOWER = 0.4
 #: Time before a stretch [s] in which a relaxed muscle shows little more than it mostly does: less
 #: than this part of its largest EMG.
-RESTS, AT_REST = 0.3, 0.15
+RESTS = 0.3
+AT_REST = 0.15
 #: Overshoot of a movement as a part of it, where no profile is known, and the least [rad].
-OVERSHOOT, LEAST = 0.04, 0.012
+OVERSHOOT = 0.04
+LEAST = 0.012
 #: What goes further beyond (a damping of 0.15 makes so much), or stays there for longer [s] (half a
 #: period of 1.5 Hz, the slowest ringing that is meant), was sent there and back.
-RINGS, RINGS_S = 0.62, 0.33
+RINGS = 0.62
+RINGS_S = 0.33
 #: A jump of the angle [rad] that is no encoder's step...
 JUMP = 0.012
 #: ...and is so many times the movement of the samples around it.
@@ -47,12 +56,18 @@ _ALONE = 8.0
 def units(trial: CheckedTrial) -> Iterator[Finding]:
     """An angle that no ankle reaches: `surae.inference.diagnosis` says what it may be."""
     channel = trial.recording.channels["angle"]
-    low, high = float(channel.values.min()), float(channel.values.max())
+    low = float(channel.values.min())
+    high = float(channel.values.max())
     if high > HIGHEST or low < LOWEST:
         yield make_finding(
-            "angle-units", "angle", trial.span, max(abs(low), abs(high)),
-            joint=trial.joint, low=low, high=high,
-        )  # fmt: skip
+            "angle-units",
+            "angle",
+            trial.span,
+            max(abs(low), abs(high)),
+            joint=trial.joint,
+            low=low,
+            high=high,
+        )
 
 
 def perturbing(angle: FloatArray, rate: float) -> bool:
@@ -65,7 +80,8 @@ def perturbing(angle: FloatArray, rate: float) -> bool:
     if np.median(np.ptp(pieces, axis=1)) < _GOES_ON * PERTURBED[0]:
         return False
     power = np.abs(np.fft.rfft(np.diff(smoothed) * np.hanning(len(smoothed) - 1))) ** 2
-    speed, f = np.cumsum(power), np.fft.rfftfreq(len(smoothed) - 1, 1.0 / rate)
+    speed = np.cumsum(power)
+    f = np.fft.rfftfreq(len(smoothed) - 1, 1.0 / rate)
     noise = float(np.std(np.diff(angle))) > 0.5 * float(np.std(angle))
     return not noise and float(f[np.searchsorted(speed, 0.95 * speed[-1])]) > PERTURBED_HZ
 
@@ -84,7 +100,8 @@ def is_perturbed(recording: Recording) -> bool:
 def range_of_motion(trial: CheckedTrial) -> Iterator[Finding]:
     """A range too small to tell the parameters, or smaller than was commanded."""
     span = float(np.ptp(trial.angle))
-    low, high = float(trial.angle.min()), float(trial.angle.max())
+    low = float(trial.angle.min())
+    high = float(trial.angle.max())
     given = trial.commanded is not None and trial.commanded.given
     moved = float(np.ptp(trial.commanded.angle)) if trial.commanded is not None and given else 0.0
     missed = moved > 0.0 and span / moved < REACHED
@@ -94,11 +111,16 @@ def range_of_motion(trial: CheckedTrial) -> Iterator[Finding]:
     if trial.torque is not None and perturbing(trial.angle, trial.rate_hz):
         which = "rom-not-covered/perturbed"
     yield make_finding(
-        which, "angle", trial.span, span,
+        which,
+        "angle",
+        trial.span,
+        span,
         severity="warning" if span < SMALL_ROM or missed else "info",
-        degrees=np.rad2deg(span), low=np.rad2deg(low), high=np.rad2deg(high),
+        degrees=np.rad2deg(span),
+        low=np.rad2deg(low),
+        high=np.rad2deg(high),
         percent=100 * (span / moved) if missed else 0.0,
-    )  # fmt: skip
+    )
 
 
 def stretches(trial: CheckedTrial) -> Iterator[Finding]:
@@ -106,9 +128,14 @@ def stretches(trial: CheckedTrial) -> Iterator[Finding]:
     speeds = relaxed_speeds(trial)
     if slow_and_fast(speeds):
         yield make_finding(
-            "stretch-series", "angle", trial.span, np.rad2deg(max(speeds)).item(),
-            n=len(speeds), low=np.rad2deg(min(speeds)), high=np.rad2deg(max(speeds)),
-        )  # fmt: skip
+            "stretch-series",
+            "angle",
+            trial.span,
+            np.rad2deg(max(speeds)).item(),
+            n=len(speeds),
+            low=np.rad2deg(min(speeds)),
+            high=np.rad2deg(max(speeds)),
+        )
 
 
 def relaxed_speeds(trial: Signals) -> list[float]:
@@ -151,9 +178,13 @@ def steps(trial: CheckedTrial) -> Iterator[Finding]:
         return
     worst = int(jumps[np.argmax(size[jumps])])
     yield make_finding(
-        "position-steps", "angle", (channel.time[jumps[0]], channel.time[jumps[-1] + 1]),
-        float(size[worst]), n=len(jumps), size=size[worst],
-    )  # fmt: skip
+        "position-steps",
+        "angle",
+        (channel.time[jumps[0]], channel.time[jumps[-1] + 1]),
+        float(size[worst]),
+        n=len(jumps),
+        size=size[worst],
+    )
 
 
 def overshoot(trial: CheckedTrial) -> Iterator[Finding]:
@@ -169,22 +200,28 @@ def overshoot(trial: CheckedTrial) -> Iterator[Finding]:
     if shot:
         sizes, begins, ends = zip(*shot, strict=True)
         yield make_finding(
-            "overshoot/movements", "angle", (min(begins), max(ends)), max(sizes),
-            n=len(shot), size=max(sizes),
-        )  # fmt: skip
+            "overshoot/movements",
+            "angle",
+            (min(begins), max(ends)),
+            max(sizes),
+            n=len(shot),
+            size=max(sizes),
+        )
 
 
 def _departure(trial: CheckedTrial) -> Iterator[Finding]:
     """How far the angle lies from the commanded one, once a constant delay is allowed for."""
     commanded = trial.commanded
     assert commanded is not None
-    first, last = float(commanded.time[0]), float(commanded.time[-1])
+    first = float(commanded.time[0])
+    last = float(commanded.time[-1])
     inside = (trial.time >= first) & (trial.time <= last)
     if float(inside.mean()) < 0.5:
         raise Unjudged(f"{commanded.name} covers less than half of the trial.")
     time = trial.time[inside]
     if commanded.given:
-        asked, delays = (commanded.time, commanded.angle), np.arange(0.0, 0.11, 0.01)
+        asked = (commanded.time, commanded.angle)
+        delays = np.arange(0.0, 0.11, 0.01)
         apart = (trial.angle[inside] - np.interp(time - delay, *asked) for delay in delays)
         best = min(apart, key=lambda left: float(np.mean(left**2)))
     else:
@@ -204,10 +241,15 @@ def _departure(trial: CheckedTrial) -> Iterator[Finding]:
     where = np.flatnonzero(wrong)
     size = float(left[wrong].max())
     yield make_finding(
-        "overshoot/profile", "angle", span_of(time, where), size,
+        "overshoot/profile",
+        "angle",
+        span_of(time, where),
+        size,
         severity="warning" if size < 0.1 * span else "error",
-        profile=commanded.name, size=size, percent=100 * size / span,
-    )  # fmt: skip
+        profile=commanded.name,
+        size=size,
+        percent=100 * size / span,
+    )
 
 
 def _ringing(
@@ -216,7 +258,8 @@ def _ringing(
     """How many fast movements end in a hold; of those that shot past it: how far [rad], when."""
     velocity = np.gradient(smooth(angle, round(0.05 * rate)), 1.0 / rate)
     still = smooth(np.abs(velocity), round(0.3 * rate)) < 0.05
-    holds, shot = 0, []
+    holds = 0
+    shot = []
     for begin, end in runs(still):
         if (end - begin) < 0.3 * rate:
             continue
@@ -228,7 +271,8 @@ def _ringing(
             continue
         holds += 1
         past = np.sign(moved) * (piece - rest)
-        beyond, peak = float(past.max()), int(past.argmax())
+        beyond = float(past.max())
+        peak = int(past.argmax())
         if not max(OVERSHOOT * abs(moved), LEAST) < beyond < RINGS * abs(moved):
             continue
         first, last = next(run for run in runs(past > 0.1 * beyond) if run[0] <= peak < run[1])

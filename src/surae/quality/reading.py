@@ -95,7 +95,8 @@ def _faulty(source: Source, table: Table) -> Quality | None:
     for name in table.names:
         role, unit = NAMES.get(plain(name), ("", ""))
         if role and role not in names:
-            names[role], units[role] = name, unit
+            names[role] = name
+            units[role] = unit
     try:
         loaded = table.load(list(names.values()))
     except InputError:
@@ -136,9 +137,14 @@ def _missing(role: str, column: Column, wrong: BoolArray) -> Iterator[Finding]:
         inside = column.time[where][np.isfinite(column.time[where])]
         begin, end = (inside[0], inside[-1]) if inside.size else (times[0], times[-1])
         yield make_finding(
-            "samples-missing", role, (begin, end), float(where.size),
-            n=where.size, column=column.name, where=column.position(int(where[0])),
-        )  # fmt: skip
+            "samples-missing",
+            role,
+            (begin, end),
+            float(where.size),
+            n=where.size,
+            column=column.name,
+            where=column.position(int(where[0])),
+        )
 
 
 def _whole_samples(

@@ -12,13 +12,15 @@ from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLES
 
 #: Delay of a reflex behind the stretch [s]: short and medium latency responses of the soleus.
-EARLIEST, LATEST = 0.025, 0.12
+EARLIEST = 0.025
+LATEST = 0.12
 #: Correlation of EMG and stretch velocity at such a delay, at rest, that chance does not reach.
 ALIKE = 0.4
 #: Slowest stretch that counts [rad/s]: about 15°/s, the threshold of spastic muscles.
 STRETCH = 0.26
 #: Stretches that must be seen, and the share of them that a burst follows.
-EVENTS, FOLLOWED = 2, 0.6
+EVENTS = 2
+FOLLOWED = 0.6
 #: A burst as a multiple of the level before it.
 BURST = 2.5
 
@@ -58,9 +60,14 @@ def suspected(trial: CheckedTrial) -> Iterator[Finding]:
         where = np.flatnonzero(reflexes.explained)
         span = span_of(trial.time, where if where.size else None)
         yield make_finding(
-            "reflex-suspected", f"emg_{trial.triceps[0]}", span, reflexes.delay,
-            joint=trial.joint, ms=1e3 * reflexes.delay, n=reflexes.events,
-        )  # fmt: skip
+            "reflex-suspected",
+            f"emg_{trial.triceps[0]}",
+            span,
+            reflexes.delay,
+            joint=trial.joint,
+            ms=1e3 * reflexes.delay,
+            n=reflexes.events,
+        )
 
 
 def _resting(trial: CheckedTrial) -> BoolArray:
@@ -123,14 +130,16 @@ def _onsets(trial: CheckedTrial, stretch: FloatArray) -> list[int]:
 def _bursts(trial: CheckedTrial, emg: FloatArray, stretch: FloatArray) -> Reflex | None:
     """A reflex of short bursts, after the onset or the peak of most stretches."""
     rate = trial.rate_hz
-    before, after = round(0.1 * rate), round(0.3 * rate)
+    before = round(0.1 * rate)
+    after = round(0.3 * rate)
     usual = quantile(emg, 0.99)
     total = np.concatenate([[0.0], np.cumsum(emg)])
 
     def mean(first: int, last: int) -> float:
         return float(total[last] - total[first]) / (last - first)
 
-    onsets, width = _onsets(trial, stretch), round(0.5 * rate)
+    onsets = _onsets(trial, stretch)
+    width = round(0.5 * rate)
     pieces = [(start, stretch[start : start + width]) for start in onsets]
     # Where stretches reach their speed, which ramps then keep.
     peaks = [start + int(np.argmax(piece >= 0.95 * piece.max())) for start, piece in pieces]

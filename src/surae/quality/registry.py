@@ -15,9 +15,17 @@ from surae.recording import MUSCLES, Recording
 
 #: Checks with limits of the ankle, or by a quick fit that has its arms.
 _ANKLES = (
-    "angle-sign", "angle-still", "angle-units", "emg-unit", "film-unit", "reflex-suspected",
-    "time-unit", "torque-artefact", "torque-offset", "torque-unit",
-)  # fmt: skip
+    "angle-sign",
+    "angle-still",
+    "angle-units",
+    "emg-unit",
+    "film-unit",
+    "reflex-suspected",
+    "time-unit",
+    "torque-artefact",
+    "torque-offset",
+    "torque-unit",
+)
 #: Samples that signals need for anything but their time to be judged.
 _FEWEST = 32
 #: Rate below which nothing but the time is looked at [Hz].
@@ -71,9 +79,11 @@ CHECKS: tuple[Check, ...] = (
 
 
 def check_recording(
-    recording: Recording, commanded: Commanded | None = None, signals: Signals | None = None,
+    recording: Recording,
+    commanded: Commanded | None = None,
+    signals: Signals | None = None,
     joint: Joint = ANKLE,
-) -> Quality:  # fmt: skip
+) -> Quality:
     """All findings of a recording of a joint, the most severe first, then by time.
 
     It is as it was measured: checks see faults that preparation would hide. `commanded` is the

@@ -56,24 +56,36 @@ def axis_findings(channel: Channel) -> Iterator[Finding]:
     if gaps.size:
         worst = int(gaps[np.argmax(steps[gaps])])
         yield make_finding(
-            "time-gap", _name(channel), (time[gaps[0]], time[gaps[-1] + 1]), lost,
-            n=len(gaps), start=time[worst], end=time[worst + 1], ms=1e3 * step,
-        )  # fmt: skip
+            "time-gap",
+            _name(channel),
+            (time[gaps[0]], time[gaps[-1] + 1]),
+            lost,
+            n=len(gaps),
+            start=time[worst],
+            end=time[worst + 1],
+            ms=1e3 * step,
+        )
     if back := int((steps <= 0.0).sum()):
         yield _disorder(channel, back, step)
         return
     jitter = 0.0 if explained else _jitter(time, gaps)
     if jitter > JITTER * step:
         yield make_finding(
-            "time-jitter/scatter", _name(channel), (time[0], time[-1]), jitter,
+            "time-jitter/scatter",
+            _name(channel),
+            (time[0], time[-1]),
+            jitter,
             severity="warning" if jitter < BAD_JITTER * step else "error",
-            by=1e3 * jitter, ms=1e3 * step, percent=100 * jitter / step,
-        )  # fmt: skip
+            by=1e3 * jitter,
+            ms=1e3 * step,
+            percent=100 * jitter / step,
+        )
 
 
 def _jitter(time: np.ndarray, gaps: np.ndarray) -> float:
     """Standard deviation of the stamps about even steps, within pieces without a gap [s]."""
-    total, count = 0.0, 0
+    total = 0.0
+    count = 0
     for piece in np.split(time, gaps + 1):
         if len(piece) >= 8:
             index = np.arange(len(piece)) - (len(piece) - 1) / 2
@@ -93,10 +105,16 @@ def _explained(channel: Channel) -> bool:
 
 def _disorder(channel: Channel, back: int, step: float) -> Finding:
     return make_finding(
-        "time-jitter/expected" if step > 0.0 else "time-jitter/order", _name(channel),
-        (channel.time.min(), channel.time.max()), float(back), severity="error", unit="1",
-        n=back, all=len(channel.time), ms=1e3 * step,
-    )  # fmt: skip
+        "time-jitter/expected" if step > 0.0 else "time-jitter/order",
+        _name(channel),
+        (channel.time.min(), channel.time.max()),
+        float(back),
+        severity="error",
+        unit="1",
+        n=back,
+        all=len(channel.time),
+        ms=1e3 * step,
+    )
 
 
 def _name(channel: Channel) -> str:
@@ -108,10 +126,15 @@ def too_short(recording: Recording) -> Iterator[Finding]:
     start, end = recording.shared
     if (seconds := end - start) < SHORT:
         yield make_finding(
-            "trial-too-short", None, (start, end), seconds,
-            severity="warning" if seconds >= TOO_SHORT else "error", seconds=seconds, enough=SHORT,
+            "trial-too-short",
+            None,
+            (start, end),
+            seconds,
+            severity="warning" if seconds >= TOO_SHORT else "error",
+            seconds=seconds,
+            enough=SHORT,
             advice="trial-too-short/enough",
-        )  # fmt: skip
+        )
 
 
 #: What a reader says that it did to samples, as it stands in a channel's source.
@@ -129,6 +152,10 @@ def as_read(trial: CheckedTrial) -> Iterator[Finding]:
             channels.setdefault(text, []).append(role)
     for text, roles in channels.items():
         yield make_finding(
-            "as-read", roles[0] if len(roles) == 1 else None, trial.span, None,
-            channels=listed(roles), done=text,
-        )  # fmt: skip
+            "as-read",
+            roles[0] if len(roles) == 1 else None,
+            trial.span,
+            None,
+            channels=listed(roles),
+            done=text,
+        )

@@ -16,7 +16,8 @@ from surae.quality.trial import CheckedTrial
 
 #: Samples in a row exactly at the largest torque that make a plateau, and how many there are in
 #: all: a measured or simulated torque repeats no number.
-PLATEAU_RUN, PLATEAU = 3, 6
+PLATEAU_RUN = 3
+PLATEAU = 6
 #: A plateau behind a noisy sensor: this part of the limit above and below it...
 _BAND = 0.005
 #: ...holds so many times the samples of the band next below. The top of a smooth peak has 2.4.
@@ -35,7 +36,9 @@ IMPOSSIBLE = 320.0
 #: What EMG and angle leave of the torque [Nm], and as a multiple of what they usually leave, for it
 #: to be an artefact; clean virtual trials reach one or the other, not both. Seen for less than this
 #: part of the time.
-UNEXPLAINED, UNEXPLAINED_TIMES, UNEXPLAINED_SHARE = 24.0, 6.5, 0.05
+UNEXPLAINED = 24.0
+UNEXPLAINED_TIMES = 6.5
+UNEXPLAINED_SHARE = 0.05
 
 
 def limit(trial: CheckedTrial) -> Iterator[Finding]:
@@ -53,9 +56,14 @@ def limit(trial: CheckedTrial) -> Iterator[Finding]:
         top = float(side.max())
         device = abs(top - most) <= 4.0 * _BAND * most
         yield make_finding(
-            "torque-limit/known" if device else "torque-limit", "torque",
-            span_of(channel.time, where), top, top=top, most=most, n=len(where),
-        )  # fmt: skip
+            "torque-limit/known" if device else "torque-limit",
+            "torque",
+            span_of(channel.time, where),
+            top,
+            top=top,
+            most=most,
+            n=len(where),
+        )
         return
 
 
@@ -100,20 +108,29 @@ def _artefact(
     span = span_of(at)
     apart = span[1] - span[0] < 0.5 * float(np.ptp(trial.time))
     return make_finding(
-        f"torque-artefact/{which}", "torque", span, top, joint=trial.joint, top=top,
-        percent=percent, advice=f"torque-artefact/{'apart' if apart else 'spread'}",
-    )  # fmt: skip
+        f"torque-artefact/{which}",
+        "torque",
+        span,
+        top,
+        joint=trial.joint,
+        top=top,
+        percent=percent,
+        advice=f"torque-artefact/{'apart' if apart else 'spread'}",
+    )
 
 
 def sign(trial: CheckedTrial) -> Iterator[Finding]:
     """A torque that acts against the muscles that make it."""
     if trial.torque is None or trial.model is None:
         raise Unjudged("There is no torque, or too little of it.")
-    model, wrong, unit = trial.model, "", "1"
+    model = trial.model
+    wrong = ""
+    unit = "1"
     if model.part and model.known:
         # The stronger group decides: the weaker may only show the other's crosstalk.
         group = max(model.part, key=lambda name: abs(model.part[name]))
-        strength, unit = model.part[group], "Nm"
+        strength = model.part[group]
+        unit = "Nm"
         if strength * (1.0 if group == "triceps" else -1.0) < 0.0:
             wrong = group
     elif float(np.ptp(trial.angle)) > 0.2:
@@ -124,9 +141,14 @@ def sign(trial: CheckedTrial) -> Iterator[Finding]:
         raise Unjudged("Neither EMG nor angle say what the torque should be.")
     if wrong:
         yield make_finding(
-            f"torque-sign/{wrong}", "torque", trial.span, strength, unit=unit, joint=trial.joint,
+            f"torque-sign/{wrong}",
+            "torque",
+            trial.span,
+            strength,
+            unit=unit,
+            joint=trial.joint,
             pull=strength,
-        )  # fmt: skip
+        )
 
 
 def offset(trial: CheckedTrial) -> Iterator[Finding]:
@@ -143,7 +165,8 @@ def offset(trial: CheckedTrial) -> Iterator[Finding]:
     if rest is None:
         raise Unjudged("Too little rest, or too little of the range, to tell.")
     level = rest.level
-    low, high = GRAVITY[0] - UNCERTAIN, GRAVITY[1] + UNCERTAIN
+    low = GRAVITY[0] - UNCERTAIN
+    high = GRAVITY[1] + UNCERTAIN
     beyond = max(low - level, level - high)
     if beyond <= 0.0:
         return

@@ -18,13 +18,16 @@ from surae.quality.numeric import IndexArray, quantile, responded, smooth
 #: Of the activation filter [Hz], which virtual subjects have between 1.6 and 2.4.
 _F0 = 2.0
 #: Part of what the angle leaves that EMG must explain, and what lags 0.2 s away must leave more.
-_GAINED, _SHARP = 0.3, 0.15
+_GAINED = 0.3
+_SHARP = 0.15
 #: Shorter trials [s] say too little of sixteen coefficients.
 SHORTEST = 10.0
 #: Comparison rate [Hz].
 _RATE = 25.0
 #: Lags that are tried [s], and the most instants at which they are: seven minutes show a lag.
-LONGEST, _STEP, _MOST = 0.6, 0.06, 10_000
+LONGEST = 0.6
+_STEP = 0.06
+_MOST = 10_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +68,8 @@ def activation(envelope: FloatArray, rate: float) -> FloatArray:
 def passive_columns(angle: FloatArray) -> list[FloatArray]:
     """Shapes of passive torque over the angle: the triceps twice, the tibialis, the constant."""
     tri, tib = (moment_arm(angle, group) for group in (0, 1))
-    x_tri, x_tib = 0.118 - 1.67 * tri, 0.136 - 1.56 * tib
+    x_tri = 0.118 - 1.67 * tri
+    x_tib = 0.136 - 1.56 * tib
     return [
         np.exp(160.0 * (x_tri - 0.05)) * tri,
         np.exp(240.0 * (x_tri - 0.05)) * tri,
@@ -83,9 +87,12 @@ def relaxing(column: FloatArray, rate: float) -> FloatArray:
 
 
 def torque_model(
-    time: FloatArray, rate: float, angle: FloatArray, torque: FloatArray,
+    time: FloatArray,
+    rate: float,
+    angle: FloatArray,
+    torque: FloatArray,
     envelopes: dict[str, FloatArray],
-) -> TorqueModel | None:  # fmt: skip
+) -> TorqueModel | None:
     """Regress the torque on angle and EMG; None where there is too little of them.
 
     The signals are uniform, at `rate` [Hz]: s, rad, Nm.
@@ -93,7 +100,8 @@ def torque_model(
     if len(time) < SHORTEST * rate:
         return None
     # One step in four, averaged over twice as much; the ends, without history, are left out.
-    width, stride = round(2.0 * rate / _RATE), max(1, round(rate / _RATE))
+    width = round(2.0 * rate / _RATE)
+    stride = max(1, round(rate / _RATE))
     margin = round(0.5 * rate)
     keep = np.arange(margin, len(time) - margin, stride)
 
@@ -133,7 +141,8 @@ def torque_model(
     every = np.arange(len(lags))
     together = squares(dict.fromkeys(groups, every))
     best = int(np.argmin(together))
-    group_lag, group_gain = {}, {}
+    group_lag = {}
+    group_gain = {}
     if len(groups) > 1:
         for name in groups:
             others = {other: np.full(len(lags), best) for other in groups if other != name}
@@ -144,7 +153,8 @@ def torque_model(
     moved = {name: columns[:, at[best]] for name, columns in smoothed.items()}
     columns = [*passive, *(c for name in groups for c in moved[name])]
     weights, rest = _solve(columns, y)
-    part, first = {}, len(passive)
+    part = {}
+    first = len(passive)
     for name in groups:
         mine = moved[name]
         torque_of = weights[first : first + len(mine)] @ mine
@@ -157,9 +167,15 @@ def torque_model(
     gained = 1.0 - rest / alone if alone > 0.0 else 0.0
     sharpness = float(beside / least - 1.0) if least > 0.0 else np.inf
     return TorqueModel(
-        _vertex(lags, together), group_lag, group_gain, part, gained, sharpness, time[keep],
+        _vertex(lags, together),
+        group_lag,
+        group_gain,
+        part,
+        gained,
+        sharpness,
+        time[keep],
         y - weights @ np.array(columns),
-    )  # fmt: skip
+    )
 
 
 def _lagging(

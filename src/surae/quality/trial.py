@@ -36,7 +36,8 @@ _STEP = 0.04
 _RECOGNISED = 0.6
 #: The same where only few bursts, of less than `_FEW` seconds, are compared: there, chance has
 #: reached 0.8.
-_FEW, _RECOGNISED_FEW = 12.0, 0.88
+_FEW = 12.0
+_RECOGNISED_FEW = 0.88
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,25 +102,33 @@ class CheckedTrial(Signals):
 
 
 def trial_of(
-    recording: Recording, commanded: Commanded | None = None, signals: Signals | None = None,
+    recording: Recording,
+    commanded: Commanded | None = None,
+    signals: Signals | None = None,
     joint: Joint = ANKLE,
-) -> CheckedTrial:  # fmt: skip
+) -> CheckedTrial:
     """Bring a recording's signals to what the checks compare.
 
     The channels share a span of time. A commanded profile that is not given is recognised from the
     angle where it can be.
     """
     seen = signals or signals_of(recording)
-    time, rate, torque = seen.time, seen.rate_hz, seen.torque
+    time = seen.time
+    rate = seen.rate_hz
+    torque = seen.torque
     slow = {muscle: smooth(e, round(SLOW * rate)) for muscle, e in seen.fast.items()}
     velocity = np.gradient(seen.angle, 1.0 / rate) if len(time) > 2 else np.zeros_like(time)
     model = torque_model(time, rate, seen.angle, torque, seen.fast) if torque is not None else None
     return CheckedTrial(
         *(getattr(seen, field.name) for field in fields(seen)),
-        recording=recording, velocity=velocity, slow=slow, model=model, joint=joint,
+        recording=recording,
+        velocity=velocity,
+        slow=slow,
+        model=model,
+        joint=joint,
         commanded=commanded or recognised(recording.channels["angle"]),
         effort=_requested_effort(time, slow, commanded),
-    )  # fmt: skip
+    )
 
 
 def signals_of(recording: Recording) -> Signals:
@@ -178,13 +187,15 @@ def _requested_effort(
     # Both tasks are judged where both ask for effort.
     late = since > named_task("part-passive").passive_until
     few = float(late.sum()) < _FEW * (len(time) - 1) / float(since[-1])
-    best, recognised_effort = (_RECOGNISED_FEW if few else _RECOGNISED), None
+    best = _RECOGNISED_FEW if few else _RECOGNISED
+    recognised_effort = None
     for name in ("part-passive", "active"):
         few_times, efforts = _sparse_effort(name, int(since[-1] / _STEP))
         requested = np.column_stack([np.interp(since, few_times, each) for each in efforts])
         alike = match(requested, slow, late)
         if alike > best:
-            best, recognised_effort = alike, requested
+            best = alike
+            recognised_effort = requested
     return recognised_effort
 
 

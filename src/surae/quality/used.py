@@ -39,7 +39,8 @@ def used(
         if kept.stop - kept.start < 2:
             return recording, []  # an unfit recording is another finding
         beside[channel.role] = start - float(channel.time[0]) + float(channel.time[-1]) - end
-        time, values = channel.time[kept], channel.values[kept]
+        time = channel.time[kept]
+        values = channel.values[kept]
         for first, last in inside:
             gone = (time >= first) & (time <= last)
             if gone.any() and not gone.all():
@@ -53,7 +54,13 @@ def used(
         return replace(recording, channels=channels), []
     longest = max(beside.values())
     finding = make_finding(
-        "not-used", more[0], (start, end), longest, start=start, end=end, longest=longest,
+        "not-used",
+        more[0],
+        (start, end),
+        longest,
+        start=start,
+        end=end,
+        longest=longest,
         channels=listed(more),
-    )  # fmt: skip
+    )
     return replace(recording, channels=channels), [finding]

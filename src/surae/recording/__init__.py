@@ -19,7 +19,21 @@ from surae.recording.table import leaving_gaps
 from surae.recording.writing import csv_columns, write_csv
 
 __all__ = [
-    "FILMED", "FILM_ROLES", "MUSCLES", "MUSCLE_NAMES", "ROLES", "Channel", "InspectedChannel",
-    "Inspection", "Recording", "SourceFile", "csv_columns", "inspect", "leaving_gaps",
-    "mapping_text", "read", "write_csv", "write_hdf5",
-]  # fmt: skip
+    "FILMED",
+    "FILM_ROLES",
+    "MUSCLES",
+    "MUSCLE_NAMES",
+    "ROLES",
+    "Channel",
+    "InspectedChannel",
+    "Inspection",
+    "Recording",
+    "SourceFile",
+    "csv_columns",
+    "inspect",
+    "leaving_gaps",
+    "mapping_text",
+    "read",
+    "write_csv",
+    "write_hdf5",
+]

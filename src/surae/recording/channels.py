@@ -61,7 +61,8 @@ def settle_unit(table: Table, role: str, name: str, unit: str | None, where: str
     It is refused where neither says it, it isn't known, or the two disagree. An EMG described as
     ``"1"`` has been normalised by its user and may disagree.
     """
-    own, text = stated_unit(table, role, name), written_unit(table, name, role)
+    own = stated_unit(table, role, name)
+    text = written_unit(table, name, role)
     ours = own is not None and own.scale == 1.0 and not own.per_kg
     if unit is None:
         if own is not None and ours:
@@ -95,7 +96,8 @@ class Gaps:
     @property
     def text(self) -> str:
         """How many they are."""
-        n, longest = len(self.lost), self.longest_s
+        n = len(self.lost)
+        longest = self.longest_s
         several = f" in {self.count} gaps, the longest" if self.count > 1 else ","
         ms = f"{longest:.3g} s" if longest >= 1.0 else f"{1e3 * longest:.3g} ms"
         return f"{n} unreadable {'samples' if n > 1 else 'sample'}{several} {ms}"
@@ -128,11 +130,14 @@ def gaps_of(time: FloatArray, values: FloatArray) -> Gaps | None:
 def channel(role: str, column: Column, scaling: Scaling, table: Table) -> Channel:
     """Check samples and bring them to SI; frames in which a film shows nothing are left out."""
     shown = f"column {column.name!r}"
-    times, raw, position = column.time, column.values, column.position
+    times = column.time
+    raw = column.values
+    position = column.position
     if (filmed := role in FILM_ROLES) or GAPS.get():
         kept = np.flatnonzero(np.isfinite(raw) & ((raw != 0.0) | (not filmed)))
         if len(kept) < len(raw):
-            times, raw = freeze(times[kept]), freeze(raw[kept])
+            times = freeze(times[kept])
+            raw = freeze(raw[kept])
             position = lambda index: column.position(int(kept[index]))  # noqa: E731
     names = (f"column {column.time_name!r}", shown)
     gaps = gaps_of(times, raw) if scaling.bridge_s else None

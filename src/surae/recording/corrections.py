@@ -91,7 +91,8 @@ class Corrections:
 
     def lines(self, recording: Recording) -> Message:
         """How to write it: as lines of the recording's TOML, and as options of a command."""
-        lines, options = [], []
+        lines = []
+        options = []
         for role in {role: None for name in _WORDS for role in getattr(self, name)}:
             given = {name: getattr(self, name).get(role) for name in _WORDS}
             described, before = _described(recording.channels[role].source)

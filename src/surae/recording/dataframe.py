@@ -51,7 +51,8 @@ def of_frame(table: DataFrame) -> Recording:
                 f"{_WHERE}: columns {named[ours]!r} and {name!r} are the same signal; keep one"
             )
         if ours is not None:
-            named[ours], data[ours] = name, table[column]
+            named[ours] = name
+            data[ours] = table[column]
     time_name, time = _time(table, {name: data[name] for name in data if name in TIMES})
     own = table.attrs.get("times") == "own"
 
@@ -95,7 +96,8 @@ def _our_name(name: str, unit: Any) -> str | None:
 
 def _time(table: DataFrame, times: dict[str, Any]) -> tuple[str, FloatArray]:
     """The time's name and values [s], of a column or of the index."""
-    index, called = table.index, str(table.index.name)
+    index = table.index
+    called = str(table.index.name)
     if called in TIMES and called not in times:
         times[called] = index
     elif not times and np.asarray(index).dtype.kind in "mM":

@@ -71,7 +71,8 @@ def open_table(source: Source) -> Table:
         if _WITH_COMMA.search(body) and not _WITH_POINT.search(body):
             decimal = ","
     first = next(itertools.islice(source.lines(), head.row, None), "")
-    clock, names = None, head.names
+    clock = None
+    names = head.names
     cells = split(first, head.delimiter)
     if len(cells) == len(names) + 1 and not cells[-1]:  # every row ends with a separator
         names = (*names, "")
@@ -86,9 +87,7 @@ def open_table(source: Source) -> Table:
     others = tuple(name for name in head.names if name and name != time)
     ours = {name: NAMES[plain(name)][1] for name in others if plain(name) in NAMES}
     units = {name: head.units[name] for name in others if head.units.get(name)} | ours
-    return Table(
-        source.shown, "CSV", others, time, load, units, notes=head.notes, header=head.row
-    )  # fmt: skip
+    return Table(source.shown, "CSV", others, time, load, units, notes=head.notes, header=head.row)
 
 
 @dataclass(frozen=True, slots=True)

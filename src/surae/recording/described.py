@@ -21,7 +21,8 @@ from surae.recording.recording import MUSCLES, ROLES, weight_of
 #: unseen, and is no part of a movement.
 LONGEST_BRIDGE_S = 0.05
 #: Kinds of trials that show the device alone, and how electrodes hear other muscles.
-EMPTY, ALONE = "empty device", "one muscle at a time"
+EMPTY = "empty device"
+ALONE = "one muscle at a time"
 EFFORTS = ("passive", "active", "isometric", "maximal", EMPTY, ALONE)
 #: A setting that whoever uses it knows by its name.
 Setting = str | bool | int | float | tuple[str | bool | int | float, ...]
@@ -33,22 +34,25 @@ class MappedChannel:
     """A channel: ``sign * (scale * raw + offset)`` in its unit, which is then brought to SI."""
 
     file: str | None = setting(
-        None, "Its file, as seen from the mapping; in a mapping of many trials with `{trial}` in "
+        None,
+        "Its file, as seen from the mapping; in a mapping of many trials with `{trial}` in "
         "it, or left out where each trial is one file.",
-    )  # fmt: skip
+    )
     column: str = setting("", "Its name in that file.")
     unit: str | None = setting(None, "Its unit, where the file does not state it.")
     sign: Literal[1, -1] = setting(1, "-1 where the file counts the other direction as positive.")
     scale: float = setting(1.0, "What the file's numbers are multiplied by first.")
     offset: float = setting(0.0, "What is added then, before the sign.")
     wrap: float | None = setting(
-        None, "A period of which it jumps at the end of its range, as 360, in its unit; the jumps "
+        None,
+        "A period of which it jumps at the end of its range, as 360, in its unit; the jumps "
         "are taken out first.",
-    )  # fmt: skip
+    )
     zero: str | tuple[float, float] | None = setting(
-        None, "Instead of an offset: a file in which it is zero, or `[start, end]` of such a "
+        None,
+        "Instead of an offset: a file in which it is zero, or `[start, end]` of such a "
         "stretch in s.",
-    )  # fmt: skip
+    )
     time: str | None = setting(None, "The column with its times, where it has a clock of its own.")
     start_s: float | None = setting(None, "Or the time of its first sample.")
     rate_hz: float | None = setting(None, "And its samples a second.")
@@ -113,9 +117,10 @@ class MappedRecording(TrialDescription):
         (), 'Two muscles whose electrodes were exchanged, as `["ta", "sol"]`, or several pairs.'
     )
     open: tuple[str, ...] = setting(
-        (), "Signals that the files hold but that are not settled: nothing is read before each is "
+        (),
+        "Signals that the files hold but that are not settled: nothing is read before each is "
         "a channel, left out by its weight in `fixed`, or taken out of this list.",
-    )  # fmt: skip
+    )
     channels: Mapping[str, MappedChannel] = setting(
         FrozenDict, "A table for each signal: `[channels.angle]`, `[channels.torque]`, …"
     )

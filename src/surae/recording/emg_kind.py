@@ -15,13 +15,15 @@ _SLOW = 40.0
 _LIFTED = 0.5
 #: Its bursts go down as far as up, beside a drift to a fifth; those of an envelope only up, by 12
 #: and more in relaxed legs that answer a stretch. What is rarer than this part tells nothing.
-_UPWARDS, _EXTREME = 10.0, 1e-3
+_UPWARDS = 10.0
+_EXTREME = 1e-3
 #: Averaged over this time [s], raw EMG leaves its drift; an envelope stays nearly as it is.
 _DRIFT_S = 0.1
 #: What is fast is noise of one strength where the strongest and the weakest tenths of its pieces
 #: of so long [s] differ by less than this factor: 1.4 in white noise at 128 Hz, 2 and more in EMG
 #: of a muscle that comes and goes.
-_STEADY, _PIECE_S = 1.6, 0.5
+_STEADY = 1.6
+_PIECE_S = 0.5
 #: Negative samples by this part of the highest are more than a filter's ringing.
 _NEGATIVE = 0.1
 #: A torque goes with the angle where they correlate at least so much.
@@ -63,7 +65,9 @@ def look_of(time: FloatArray, values: FloatArray) -> Look:
     below = float(values.max()) < 0
     if below:
         values = -values
-    low, high, middle = float(values.min()), float(values.max()), float(np.median(values))
+    low = float(values.min())
+    high = float(values.max())
+    middle = float(np.median(values))
     crossings = _crossings(values - middle) / span
     rate = f"crosses its median {crossings:.0f} times a second"
     if low < -_NEGATIVE * high:
@@ -117,14 +121,17 @@ def relation(angle: Column, torque: Column) -> str:
     In a passive movement the reaction torque of a stretched triceps rises with dorsiflexion, so
     the relation of the raw channels settles which direction one has, given the other's.
     """
-    a, b = _finite(angle), _finite(torque)
+    a = _finite(angle)
+    b = _finite(torque)
     if a is None or b is None:
         return ""
-    begin, end = max(a[0][0], b[0][0]), min(a[0][-1], b[0][-1])
+    begin = max(a[0][0], b[0][0])
+    end = min(a[0][-1], b[0][-1])
     if end <= begin:
         return ""
     time = np.linspace(begin, end, 2000)
-    x, y = np.interp(time, *a), np.interp(time, *b)
+    x = np.interp(time, *a)
+    y = np.interp(time, *b)
     if x.min() == x.max() or y.min() == y.max():
         return ""
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
@@ -141,7 +148,8 @@ def relation(angle: Column, torque: Column) -> str:
 def _finite(column: Column) -> tuple[FloatArray, FloatArray] | None:
     """Times that increase and finite values, None where there are not two."""
     good = np.isfinite(column.time) & np.isfinite(column.values)
-    time, values = column.time[good], column.values[good]
+    time = column.time[good]
+    values = column.values[good]
     return None if len(time) < 2 or np.any(np.diff(time) <= 0) else (time, values)
 
 

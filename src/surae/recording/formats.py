@@ -44,7 +44,8 @@ def trial_names(paths: Sequence[Path], own: Sequence[str] = ()) -> list[str]:
     """
     own = own or [path.stem for path in paths]
     folders = [path.resolve().parent for path in paths]
-    alike, beside = Counter(own), Counter(zip(folders, own, strict=True))
+    alike = Counter(own)
+    beside = Counter(zip(folders, own, strict=True))
     names = []
     for path, folder, name in zip(paths, folders, own, strict=True):
         one = path.name if beside[folder, name] > 1 else name
@@ -104,7 +105,8 @@ def _printable(table: Table) -> Table:
     """A table whose texts can be shown and written anywhere."""
     own = {cleaned(name): name for name in reversed(table.names)}
     if all(name == its for name, its in own.items()):
-        names, load = table.names, table.load
+        names = table.names
+        load = table.load
     else:
         names = tuple(map(cleaned, table.names))
 
@@ -113,12 +115,15 @@ def _printable(table: Table) -> Table:
             return {name: replace(loaded[own[name]], name=name) for name in wanted}
 
     return replace(
-        table, names=names, load=load, time_name=cleaned(table.time_name),
+        table,
+        names=names,
+        load=load,
+        time_name=cleaned(table.time_name),
         units={cleaned(name): cleaned(unit) for name, unit in table.units.items()},
         remarks={cleaned(name): cleaned(text, 1000) for name, text in table.remarks.items()},
         descriptions={cleaned(name): cleaned(text) for name, text in table.descriptions.items()},
         notes={key: cleaned(text) for key, text in table.notes.items()},
-    )  # fmt: skip
+    )
 
 
 def _plugins() -> Iterable[FormatModule]:

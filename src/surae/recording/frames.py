@@ -33,8 +33,10 @@ def channels_frame(channels: Mapping[str, Any], about: Mapping[str, str]) -> Any
     table = library("pandas", "a DataFrame").DataFrame(columns)
     units = {name: channels[role].unit for role, name in names.items()}
     table.attrs = {
-        **about, **({} if alike else {"times": "own"}), "units": {"time_s": "s", **units},
-    }  # fmt: skip
+        **about,
+        **({} if alike else {"times": "own"}),
+        "units": {"time_s": "s", **units},
+    }
     return table
 
 
@@ -61,9 +63,13 @@ def plotted(name: str, channels: "Mapping[str, Any]") -> "Sequence[Axes]":
         if not role.startswith("angular_"):
             panels.setdefault(kind(role), []).append(role)
     figure, axes = pyplot.subplots(
-        len(panels), 1, sharex=True, squeeze=False, figsize=(8.4, 1.0 + 1.9 * len(panels)),
+        len(panels),
+        1,
+        sharex=True,
+        squeeze=False,
+        figsize=(8.4, 1.0 + 1.9 * len(panels)),
         layout="constrained",
-    )  # fmt: skip
+    )
     figure.suptitle(name, fontsize=10)
     for panel, (what, roles) in zip(axes[:, 0], panels.items(), strict=True):
         for role in roles:

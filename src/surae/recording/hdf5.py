@@ -38,7 +38,8 @@ from surae.recording.writing import column_name
 
 #: Compressed, sparse or never written data may claim any size: what is unpacked is at most this
 #: many bytes, and this many times the file's size more.
-_ALWAYS_ALLOWED, _MOST_EXPANDED = 64 * 2**20, 300
+_ALWAYS_ALLOWED = 64 * 2**20
+_MOST_EXPANDED = 300
 #: Characters of a text that is read.
 _LONGEST_TEXT = 2**20
 
@@ -223,15 +224,20 @@ def open_table(source: Source) -> Table:
         }
 
     return Table(
-        source.shown, "surae HDF5", tuple(channels), "time", load,
+        source.shown,
+        "surae HDF5",
+        tuple(channels),
+        "time",
+        load,
         units={name: channel.unit for name, channel in channels.items()},
         notes={"name": recording.name, "emg": recording.emg},
-    )  # fmt: skip
+    )
 
 
 def _uniform(time: FloatArray) -> tuple[float, float] | None:
     """Start [s] and rate [Hz] that give these times to the last bit, None where there are none."""
-    start, mean = float(time[0]), (len(time) - 1) / float(time[-1] - time[0])
+    start = float(time[0])
+    mean = (len(time) - 1) / float(time[-1] - time[0])
     for rate in dict.fromkeys([*(round(mean, decimals) for decimals in _DECIMALS), mean]):
         if rate > 0 and np.isfinite(rate) and _same(instants(start, rate, len(time)), time):
             return start, rate

@@ -95,14 +95,28 @@ class Inspection(Tabular, Plain):
             A row for each channel; with a file of its own where there are several.
         """
         heads: tuple[str, ...] = (
-            "channel", "unit", "Hz", "samples", "start [s]", "least", "greatest", "role",
-        )  # fmt: skip
+            "channel",
+            "unit",
+            "Hz",
+            "samples",
+            "start [s]",
+            "least",
+            "greatest",
+            "role",
+        )
         rows: list[tuple[str, ...]] = [
-            (c.column, c.unit or "–", _number(c.rate_hz, 6),
-             "–" if c.n is None else str(c.n), _number(c.start_s, 4), _number(c.low, 4),
-             _number(c.high, 4), self._role(c))
+            (
+                c.column,
+                c.unit or "–",
+                _number(c.rate_hz, 6),
+                "–" if c.n is None else str(c.n),
+                _number(c.start_s, 4),
+                _number(c.low, 4),
+                _number(c.high, 4),
+                self._role(c),
+            )
             for c in self.channels
-        ]  # fmt: skip
+        ]
         if len(self.formats) > 1:
             heads = ("file", *heads)
             rows = [(shown(c.file), *r) for c, r in zip(self.channels, rows, strict=True)]
@@ -120,9 +134,12 @@ class Inspection(Tabular, Plain):
         below += [f"- {some(names, 3)}: {remark}" for remark, names in remarks.items()]
         below += [f"- {line}" for line in self.advice]
         return TextTable(
-            heads, tuple(rows), tuple(f"{shown(path)}: {form}" for path, form in
-                                      self.formats.items()), tuple(below), heads[-6:-1],
-        )  # fmt: skip
+            heads,
+            tuple(rows),
+            tuple(f"{shown(path)}: {form}" for path, form in self.formats.items()),
+            tuple(below),
+            heads[-6:-1],
+        )
 
     def _role(self, channel: InspectedChannel) -> str:
         """The role that a channel has, or with a question mark could have."""

@@ -165,10 +165,12 @@ def _differences(
             else:
                 differs(f"no column {channel.column!r}", f"{role} = false")
             continue
-        unit, its = own.known_unit, channel.known_unit
+        unit = own.known_unit
+        its = channel.known_unit
         if unit is not None and its is not None and unit != its:
-            differs(f"{role} is in {unit}, that of {like} in {its}",
-                    f"{role}.unit = {toml_value(unit)}")  # fmt: skip
+            differs(
+                f"{role} is in {unit}, that of {like} in {its}", f"{role}.unit = {toml_value(unit)}"
+            )
         its_rate = channel.rate_hz or 0.0
         if abs((own.rate_hz or 0.0) - its_rate) > _SAME_RATE * its_rate:
             rates = [f"{r:.6g} Hz" if r else "no rate" for r in (own.rate_hz, channel.rate_hz)]

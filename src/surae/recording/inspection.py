@@ -37,7 +37,9 @@ _SIDES = ("left", "right")
 #: What a channel's source says where only its column's name tells what it is.
 BY_NAME = "taken for what its column's name and unit say, its sign as in the file"
 #: A dead input takes so many of its converter's steps at most; so many samples show them.
-_DEAD, _LOOKED_AT, _FEW = 3.0, 5000, 100
+_DEAD = 3.0
+_LOOKED_AT = 5000
+_FEW = 100
 #: What differs between rules of the same kind.
 _NUMBER = re.compile(r"\d+")
 
@@ -92,9 +94,17 @@ def inspect(paths: PathLike | Sequence[PathLike], *, side: str | None = None) ->
     formats = FrozenDict((path, table.format) for path, table in tables.items())
     missing = tuple(r for r in ROLES[:6] if r not in roles and r not in open_roles)
     inspection = Inspection(
-        tuple(channels), formats, FrozenDict(roles), FrozenDict(open_roles), missing, leg, rule,
-        emg, emg_rule, direction,
-    )  # fmt: skip
+        tuple(channels),
+        formats,
+        FrozenDict(roles),
+        FrozenDict(open_roles),
+        missing,
+        leg,
+        rule,
+        emg,
+        emg_rule,
+        direction,
+    )
     return replace(inspection, advice=tuple(_advice(inspection)))
 
 
@@ -125,15 +135,19 @@ def recording_by_names(path: PathLike) -> Recording | None:
         own = read_channel(role, columns[each.column], scaling, table)
         channels[role] = replace(own, source=f"{own.source}; {BY_NAME}")
     return Recording(
-        name=source.name, channels=channels, emg=found.emg or "raw", side=found.side,
+        name=source.name,
+        channels=channels,
+        emg=found.emg or "raw",
+        side=found.side,
         files=(source.file,),
-    )  # fmt: skip
+    )
 
 
 def _units_unknown(roles: Mapping[str, InspectedChannel]) -> str:
     """That units of channels are none that are known; empty where all are."""
     unknown = [channel for channel in roles.values() if channel.known_unit is None]
-    names, says = some(c.column for c in unknown), {c.unit or "none": 0 for c in unknown}
+    names = some(c.column for c in unknown)
+    says = {c.unit or "none": 0 for c in unknown}
     return f"the unit of {names} is not known (the file says {', '.join(says)})" if says else ""
 
 
@@ -169,7 +183,8 @@ def _described(path: str, table: Table, name: str, column: Column | InputError) 
         remark = "; ".join(filter(None, (reason, *remarks)))
         return InspectedChannel(path, name, unit, guess=guess, remark=remark, usable=False)
     role = guess.roles[0] if guess else None
-    finite, bridge_s = column.values[np.isfinite(column.values)], 0.0
+    finite = column.values[np.isfinite(column.values)]
+    bridge_s = 0.0
     if wrong := len(column.values) - len(finite):
         first = int(np.argmin(np.isfinite(column.values)))
         why = column.reason(first) if column.reason else ""
@@ -205,10 +220,24 @@ def _described(path: str, table: Table, name: str, column: Column | InputError) 
     end_s = None if sampling.start_s is None else float(column.time[-1])
     low, high = (float(finite.min()), float(finite.max())) if len(finite) else (None, None)
     return InspectedChannel(
-        path, name, unit, known_unit, scale, sampling.n, sampling.rate_hz, sampling.start_s, end_s,
-        low, high, guess, look,
-        "; ".join(filter(None, remarks)), usable and sampling.n > 1, bridge_s, alive,
-    )  # fmt: skip
+        path,
+        name,
+        unit,
+        known_unit,
+        scale,
+        sampling.n,
+        sampling.rate_hz,
+        sampling.start_s,
+        end_s,
+        low,
+        high,
+        guess,
+        look,
+        "; ".join(filter(None, remarks)),
+        usable and sampling.n > 1,
+        bridge_s,
+        alive,
+    )
 
 
 def _of_their_joint(channels: Sequence[InspectedChannel]) -> list[InspectedChannel]:
@@ -219,7 +248,8 @@ def _of_their_joint(channels: Sequence[InspectedChannel]) -> list[InspectedChann
     joint = joint_of_muscles([channel.column for channel in channels])
     judged = []
     for channel in channels:
-        guess, other = channel.guess, other_joint(channel.column)
+        guess = channel.guess
+        other = other_joint(channel.column)
         own = f"of the {other}, not the ankle" if other else ""
         if other == "knee" and unit_kind(channel.unit) in (None, "angle"):
             own += " (second_angle of a geometry over both)"
@@ -237,7 +267,8 @@ def _of_their_joint(channels: Sequence[InspectedChannel]) -> list[InspectedChann
 
 def _is_alive(values: FloatArray) -> bool:
     """Whether a signal is more than the steps of a converter to which nothing is connected."""
-    low, high = float(values.min()), float(values.max())
+    low = float(values.min())
+    high = float(values.max())
     levels = np.unique(values[:: max(len(values) // _LOOKED_AT, 1)])
     return low < high and (len(levels) < 2 or high - low > _DEAD * float(np.diff(levels).min()))
 
@@ -247,9 +278,8 @@ def _plain_candidates(
 ) -> list[InspectedChannel]:
     """The channels whose name says this role most plainly, vague ones left out."""
     candidates = [
-        c for c in channels
-        if c.usable is usable and c.guess is not None and c.guess.role == role
-    ]  # fmt: skip
+        c for c in channels if c.usable is usable and c.guess is not None and c.guess.role == role
+    ]
     for confidence in CONFIDENCES[:-1]:
         level = [c for c in candidates if c.guess is not None and c.guess.confidence == confidence]
         if level:

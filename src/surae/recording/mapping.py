@@ -40,7 +40,9 @@ TRIAL = "{trial}"
 _OF_A_TRIAL = {f.name for f in fields(MappedRecording)} - {"channels", "trials"}
 #: What gives a zero may change, from one part of so long [s] to another, by this part of the
 #: signal's own range, or by what a sensor's noise and a leg at rest bring: 1° and 1 Nm in SI.
-_PART, _QUIET, _REST = 0.1, 0.05, {"angle": 0.0175, "torque": 1.0}
+_PART = 0.1
+_QUIET = 0.05
+_REST = {"angle": 0.0175, "torque": 1.0}
 
 
 def recognises(source: Source) -> bool:
@@ -108,7 +110,8 @@ class Description:
         """The mapped recording of a trial, or of every one."""
         if trial is None and self._whole:
             return self._whole[0]
-        where, table = self.source.shown, dict(self.toml)
+        where = self.source.shown
+        table = dict(self.toml)
         if trial is not None:
             table.pop("name", None)
             table["trials"] = {}
@@ -130,7 +133,8 @@ class Description:
         """What differs in a trial, put into what holds for all."""
         if not isinstance(own, dict):
             raise InputError(f"{where} is {brief(own)}; write what differs, as torque.sign = -1")
-        merged, channels = {}, dict(self.toml["channels"])
+        merged = {}
+        channels = dict(self.toml["channels"])
         opened = self.toml.get("open", ())
         for key, value in own.items():
             both = isinstance(value, dict) and isinstance(self.toml.get(key), dict)
@@ -187,7 +191,8 @@ class Description:
         Each channel keeps its own times. `trial` is what the session calls the trial, where that is
         not what its file is called: two folders may have files of one name.
         """
-        filed, folder = (None, Path(self.source.path).parent)
+        filed = None
+        folder = Path(self.source.path).parent
         if data is not None:
             filed, folder = self.trial_of(data)
         trial = trial or filed
@@ -197,9 +202,15 @@ class Description:
         read_files = (source.file for source, _ in reader.opened.values())
         files = (*read_files, self.source.file) if data else (self.source.file, *read_files)
         recording = Recording(
-            mapped.name or trial or self.source.name, channels, mapped.emg, mapped.fixed,
-            mapped.prepare, files, mapped.side, mapped.device,
-        )  # fmt: skip
+            mapped.name or trial or self.source.name,
+            channels,
+            mapped.emg,
+            mapped.fixed,
+            mapped.prepare,
+            files,
+            mapped.side,
+            mapped.device,
+        )
         return Corrections(swap=mapped.swap)(recording)
 
 
@@ -238,7 +249,8 @@ class _Reader:
             column = _timed(own, columns[table.file], table, self._at(role))
             if own.wrap is not None:
                 column = replace(column, values=freeze(np.unwrap(column.values, period=own.wrap)))
-            offset, note = own.offset, ""
+            offset = own.offset
+            note = ""
             if own.zero is not None:
                 offset, note = self._zero(role, own, own.zero, column, unit)
             scaling = Scaling(unit, own.sign, own.scale, offset, note, own.bridge_s)
@@ -313,18 +325,22 @@ class _Reader:
             if not path.exists():
                 path = Path(self.source.path).parent / self._named(zero)
             quiet = self._table(path, own, where).load([own.column])[own.column]
-            time, values, origin = quiet.time, quiet.values, shown(path.name)
+            time = quiet.time
+            values = quiet.values
+            origin = shown(path.name)
         else:
             start, end = zero
             inside = (column.time >= start) & (column.time <= end)
-            time, values = column.time[inside], column.values[inside]
+            time = column.time[inside]
+            values = column.values[inside]
             origin = f"{start:g} to {end:g} s"
         if len(values) < 2 or not np.isfinite(values).all():
             raise InputError(f"{where}: {origin} holds no finite samples of {own.column!r}")
         if role in _REST:
             parts = min(max(round(float(time[-1] - time[0]) / _PART), 2), len(values))
             means = [float(part.mean()) for part in np.array_split(values, parts)]
-            change, factor = max(means) - min(means), abs(own.scale) * to_si(role, unit, "")
+            change = max(means) - min(means)
+            factor = abs(own.scale) * to_si(role, unit, "")
             range_ = float(np.ptp(column.values[np.isfinite(column.values)]))
             if change > _QUIET * range_ and factor * change > _REST[role]:
                 raise InputError(

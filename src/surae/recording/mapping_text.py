@@ -61,7 +61,8 @@ def mapping_text(
     InputError
         A file's name cannot be written as text.
     """
-    roles, open_roles = inspection.roles, inspection.open
+    roles = inspection.roles
+    open_roles = inspection.open
     channels = inspection.channels
     title = shown(Path(channels[0].file).stem) if channels else "recording"
     lines = [
@@ -124,7 +125,8 @@ def _entry(
     files: Mapping[str, str] | None,
 ) -> list[str]:
     """Write one channel's table."""
-    guess, opensim = channel.guess, inspection.formats[channel.file] == "OpenSim"
+    guess = channel.guess
+    opensim = inspection.formats[channel.file] == "OpenSim"
     why = "" if guess is None else f"{guess.confidence}: {_line(guess.rule)}"
     lines = [f"[channels.{role}]  # {why}"]
     if files is None:
@@ -164,12 +166,16 @@ def _entry(
 
 def _unit_lines(role: str, channel: InspectedChannel, *, opensim: bool) -> list[str]:
     """The unit, where it is known; else what to write."""
-    sort, unit, look = kind(role), channel.unit, channel.look
+    sort = kind(role)
+    unit = channel.unit
+    look = channel.look
     if (known := channel.known_unit) is not None:
         lines = [f"unit = {toml_value(known)}  # as the file states"]
         if channel.scale != 1.0:
-            lines = [f"unit = {toml_value(known)}", f"scale = {channel.scale!r}  # check: the file "
-                     f"says {_line(unit or '')}"]  # fmt: skip
+            lines = [
+                f"unit = {toml_value(known)}",
+                f"scale = {channel.scale!r}  # check: the file says {_line(unit or '')}",
+            ]
         if sort == "emg" and channel.high is not None and channel.low is not None and known != "1":
             peak = max(abs(channel.high), abs(channel.low)) * FACTORS["emg"][known]
             if peak > _AMPLIFIED_V:
@@ -203,7 +209,8 @@ def _unit_lines(role: str, channel: InspectedChannel, *, opensim: bool) -> list[
 
 def _relative(file: str, folder: PathLike) -> str:
     """A file's path as seen from a folder, absolute where they share no folder but the root."""
-    target, base = Path(file).resolve(), Path(folder).resolve()
+    target = Path(file).resolve()
+    base = Path(folder).resolve()
     try:
         shared = Path(os.path.commonpath([target.parent, base]))
     except ValueError:  # on two drives

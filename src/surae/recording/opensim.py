@@ -73,6 +73,12 @@ def open_table(source: Source) -> Table:
 
     others = tuple(name for name in names if name and name != time)
     return Table(
-        source.shown, "OpenSim", others, time, load, units_of_kind=units, notes=notes,
+        source.shown,
+        "OpenSim",
+        others,
+        time,
+        load,
+        units_of_kind=units,
+        notes=notes,
         remarks=dict.fromkeys(others, remark) if remark else {},
-    )  # fmt: skip
+    )

@@ -143,10 +143,13 @@ def recording_of_table(table: Table, name: str, files: tuple[SourceFile, ...] = 
         raise InputError(_no_angle(table))
     unread = {name: guess_role(name) for name in table.names if name not in columns_of.values()}
     emg = [
-        name for name, guess in unread.items()
-        if guess is not None and guess.confidence != "likely" and guess.roles[0].startswith("emg_")
+        name
+        for name, guess in unread.items()
+        if guess is not None
+        and guess.confidence != "likely"
+        and guess.roles[0].startswith("emg_")
         and not columns_of.keys() & {*guess.roles}
-    ]  # fmt: skip
+    ]
     if emg:  # left out, these muscles would pass for silent ones
         raise InputError(
             f"{table.file}: {some(emg)}: EMG by name, but not called emg_ta_V, …; rename it, or "

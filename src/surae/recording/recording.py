@@ -48,8 +48,14 @@ FILM_ROLES = tuple(role for role in ROLES if role.startswith(("fascicle_", "penn
 
 #: Largest values of a channel by its kind, in SI units: beyond these nothing was measured. Noise of
 #: an amplifier is above 1e-9 V, and a normalised EMG of 1e6 is in the wrong unit by any factor.
-_SIZES = {"angle": (1e-9, 1e5), "torque": (1e-9, 1e6), "emg": (1e-12, 1e9), "length": (1e-9, 1e5),
-          "angular_velocity": (1e-9, 1e7), "angular_acceleration": (1e-9, 1e9)}  # fmt: skip
+_SIZES = {
+    "angle": (1e-9, 1e5),
+    "torque": (1e-9, 1e6),
+    "emg": (1e-12, 1e9),
+    "length": (1e-9, 1e5),
+    "angular_velocity": (1e-9, 1e7),
+    "angular_acceleration": (1e-9, 1e9),
+}
 #: Seconds from sample to sample, on average: 10 MHz, and a sample in twelve days.
 _STEPS = (1e-7, 1e6)
 
@@ -201,9 +207,10 @@ class Recording:
                     f"lasts from {channel.time[0]:g} to {channel.time[-1]:g} s"
                 )
             kept[role] = replace(
-                channel, time=read_only(channel.time[inside]),
+                channel,
+                time=read_only(channel.time[inside]),
                 values=read_only(channel.values[inside]),
-            )  # fmt: skip
+            )
         return replace(self, channels=kept)
 
     @property
@@ -226,7 +233,8 @@ class Recording:
         emg = {"raw": "raw EMG", "envelope": "EMG envelopes"}[self.emg]
         lines = [f"Recording {self.name!r}: {', '.join(filter(None, (self.side, emg)))}"]
         for role, channel in self.channels.items():
-            low, high = channel.values.min(), channel.values.max()
+            low = channel.values.min()
+            high = channel.values.max()
             lines.append(
                 f"  {role:<21}{len(channel.values):>8} samples, {channel.rate_hz:.6g} Hz, "
                 f"{low:.4g} … {high:.4g} {'' if channel.unit == '1' else channel.unit}".rstrip()
@@ -291,11 +299,17 @@ class Recording:
 
     @classmethod
     def from_arrays(
-        cls, time: npt.ArrayLike, angle: npt.ArrayLike, torque: npt.ArrayLike | None = None,
-        emg: npt.ArrayLike | None = None, *, name: str = "arrays",
-        emg_kind: Literal["raw", "envelope"] = "raw", velocity: npt.ArrayLike | None = None,
+        cls,
+        time: npt.ArrayLike,
+        angle: npt.ArrayLike,
+        torque: npt.ArrayLike | None = None,
+        emg: npt.ArrayLike | None = None,
+        *,
+        name: str = "arrays",
+        emg_kind: Literal["raw", "envelope"] = "raw",
+        velocity: npt.ArrayLike | None = None,
         acceleration: npt.ArrayLike | None = None,
-    ) -> "Recording":  # fmt: skip
+    ) -> "Recording":
         """Build a recording from arrays on one time axis, which are copied.
 
         Parameters
@@ -328,8 +342,12 @@ class Recording:
         """
         check_known(f"{name}: emg_kind", EMG_KINDS, emg_kind)
         axis = _floats(time, name, "time")
-        arrays = {"angle": angle, "torque": torque, "angular_velocity": velocity,
-                  "angular_acceleration": acceleration}  # fmt: skip
+        arrays = {
+            "angle": angle,
+            "torque": torque,
+            "angular_velocity": velocity,
+            "angular_acceleration": acceleration,
+        }
         signals = {role: _floats(a, name, role) for role, a in arrays.items() if a is not None}
         if emg is not None:
             table = _floats(emg, name, "emg")

@@ -72,7 +72,8 @@ def role_and_unit(name: str, where: str) -> tuple[str, str] | None:
     for role, spelling in ((each, own) for each in ROLES for own in _spellings(each)):
         if name.casefold() != spelling and not name.casefold().startswith(f"{spelling}_"):
             continue
-        suffixes, suffix = _suffixes(role), name[len(spelling) + 1 :]
+        suffixes = _suffixes(role)
+        suffix = name[len(spelling) + 1 :]
         if not suffix:
             ours = ", ".join(f"{spelling}_{known}" for known in suffixes)
             raise InputError(f"{where}: the unit is missing; write one of: {ours}")
@@ -96,14 +97,30 @@ _WORDS: Mapping[str, Any] = tomllib.loads(
 )
 _ANKLE, _OTHER_JOINTS, _OTHER_SENSORS, _PLATE, _TORQUE, _VELOCITY, _ACCELERATION, _ANGLE, _EMG = (
     set(_WORDS[each])
-    for each in ("ankle", "other_joints", "other_sensors", "plate", "torque", "velocity",
-                 "acceleration", "angle", "emg")
-)  # fmt: skip
+    for each in (
+        "ankle",
+        "other_joints",
+        "other_sensors",
+        "plate",
+        "torque",
+        "velocity",
+        "acceleration",
+        "angle",
+        "emg",
+    )
+)
 _LATERAL, _MEDIAL, _GASTROCNEMIUS, _TIBIALIS, _ANTERIOR, _OTHER_MUSCLES, _FRAMES = (
     set(_WORDS[each])
-    for each in ("lateral", "medial", "gastrocnemius", "tibialis", "anterior", "other_muscles",
-                 "frames")
-)  # fmt: skip
+    for each in (
+        "lateral",
+        "medial",
+        "gastrocnemius",
+        "tibialis",
+        "anterior",
+        "other_muscles",
+        "frames",
+    )
+)
 _SIDES, _WHOLE, _SHORT, _OF_OTHER_JOINTS = (
     {word: says for says, words in _WORDS[each].items() for word in words}
     for each in ("sides", "whole", "short", "of_other_joints")
@@ -181,7 +198,8 @@ def guess_role(name: str, unit: str | None = None) -> Guess | None:
             confidence = "possible" if vague else "likely"
     if (coordinate := _COORDINATE.fullmatch(name)) is not None and not emg:
         if coordinate[1] != "X":
-            confidence, rule = "possible", f"{rule}, but not its first coordinate"
+            confidence = "possible"
+            rule = f"{rule}, but not its first coordinate"
         else:
             rule += "; X of three coordinates, the flexion in most models"
     return Guess(roles, confidence, rule, side)
@@ -257,7 +275,8 @@ _Match = tuple[tuple[str, ...], Confidence, str]
 
 def _quantity(words: tuple[str, ...]) -> _Match | None:
     """Angle, torque and derivatives of the angle."""
-    present, ankle = {*words}, _first(words, _ANKLE)
+    present = {*words}
+    ankle = _first(words, _ANKLE)
     if present & (_OTHER_JOINTS | _EMG | (_OTHER_SENSORS | _PLATE) - _ACCELERATION):
         return None
     for role, vocabulary in _QUANTITIES.items():

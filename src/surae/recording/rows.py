@@ -24,7 +24,8 @@ _CLOCK = re.compile(
     re.ASCII,
 )
 #: Texts that pyarrow reads [bytes], and how much of one at a time.
-_LARGE, _BLOCK = 2**23, 2**24
+_LARGE = 2**23
+_BLOCK = 2**24
 _HALF_A_DAY = 43200.0
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?")
 _THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:,\d{3})+\.\d*")
@@ -122,7 +123,8 @@ class Rows:
                 where = f"{self.source.shown}: column {time!r}, {self.position(at)}"
                 clock = "; write seconds, or hh:mm:ss.fff" if ":" in why else ""
                 raise InputError(f"{where}: {why}{clock}")
-        seconds, remark = np.arange(data.shape[1], dtype=np.float64), ""
+        seconds = np.arange(data.shape[1], dtype=np.float64)
+        remark = ""
         if time and self.clock == first[time]:
             began = data[0, 0] if data.shape[1] else 0.0
             days = np.cumsum(np.diff(data[0], prepend=began) < -_HALF_A_DAY)
@@ -180,9 +182,11 @@ class Rows:
                 raise InputError(f"{where}: {error}") from None
             if len(cells) != len(self.names):
                 lost = self.names[len(cells) :]
-                at = f"none for column {some(lost, 1)}" if lost else (
-                    f"the last is column {some(self.names[-1:])}"
-                )  # fmt: skip
+                at = (
+                    f"none for column {some(lost, 1)}"
+                    if lost
+                    else (f"the last is column {some(self.names[-1:])}")
+                )
                 raise InputError(
                     f"{where}: {len(cells)} cells where the header names {len(self.names)} "
                     f"columns; {at}"

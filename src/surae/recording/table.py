@@ -124,13 +124,15 @@ def rounding(time: FloatArray, coarsest: float) -> float | None:
 
 #: Stamps rounded to less than this part of a step are as good as exact; no coarser ones than so [s]
 #: are taken for rounded.
-_ROUNDED, _COARSEST_S = 0.02, 0.01
+_ROUNDED = 0.02
+_COARSEST_S = 0.01
 #: A rate is as good as that of the stamps if it moves the last of them by this part of a rounding.
 _AS_GOOD = 0.2
 
 
 #: Digits that programs keep of a time (MATLAB's dlmwrite: 5), and so many stamps show how many.
-_DIGITS, _SHOW = range(4, 8), 5000
+_DIGITS = range(4, 8)
+_SHOW = 5000
 
 
 def regular(time: FloatArray) -> tuple[FloatArray, str]:
@@ -141,7 +143,8 @@ def regular(time: FloatArray) -> tuple[FloatArray, str]:
     of its own where digits were kept, and a uniform axis explains each to that step. What was done
     comes with them; nothing, and the stamps themselves, where they are not rounded.
     """
-    n, span = len(time), float(time[-1] - time[0]) if len(time) else 0.0
+    n = len(time)
+    span = float(time[-1] - time[0]) if len(time) else 0.0
     if n < 10 or not span > 0 or not np.isfinite(time).all():
         return time, ""
     mean = span / (n - 1)
@@ -168,7 +171,8 @@ def _last_digit(time: FloatArray, digits: int) -> FloatArray:
 
 def _uniform(time: FloatArray, steps: float | FloatArray) -> tuple[FloatArray, float] | None:
     """Even times that were rounded to `steps`, and their rate; None where they were not even."""
-    n, step = len(time), float(np.max(steps))
+    n = len(time)
+    step = float(np.max(steps))
     counted = np.arange(n) - (n - 1) / 2.0
     mean = float(counted @ time / (counted @ counted))  # all stamps know it better than two
     del counted  # an hour's takes much
@@ -260,7 +264,8 @@ def sampling_of(time: FloatArray) -> Sampling:
     n = len(time)
     if n == 0:
         return Sampling(0)
-    start, span = float(time[0]), float(time[-1] - time[0])
+    start = float(time[0])
+    span = float(time[-1] - time[0])
     if n == 1 or not np.isfinite(span) or span <= 0:
         return Sampling(n, None, start if np.isfinite(start) else None)
     mean = span / (n - 1)

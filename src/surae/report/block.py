@@ -8,10 +8,29 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 __all__ = [
-    "AdequacyWords", "AnyCell", "Block", "Cell", "Document", "Explorer", "Facts", "Grid", "Group",
-    "Heading", "IntervalBar", "KeyFigures", "Picture", "Points", "Row", "Section", "Text",
-    "columns", "facts", "paragraphs", "rows", "verdict",
-]  # fmt: skip
+    "AdequacyWords",
+    "AnyCell",
+    "Block",
+    "Cell",
+    "Document",
+    "Explorer",
+    "Facts",
+    "Grid",
+    "Group",
+    "Heading",
+    "IntervalBar",
+    "KeyFigures",
+    "Picture",
+    "Points",
+    "Row",
+    "Section",
+    "Text",
+    "columns",
+    "facts",
+    "paragraphs",
+    "rows",
+    "verdict",
+]
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,8 @@ from surae.protocol.planning.information import covariance_if_filmed
 from surae.report import block
 
 #: Share of a variance from which a source is shown, and from which it is worth a remedy.
-_SHOWN, _WORTH = 0.005, 0.25
+_SHOWN = 0.005
+_WORTH = 0.25
 #: A remedy is worth a sentence where the interval shrinks to less than this part.
 _SHRINKS = 0.8
 #: Muscles that may be filmed, and what sentences call them.
@@ -96,7 +97,8 @@ def what_would_help(fit: AssessedFit) -> tuple[str, ...]:
     would narrow its interval by a fifth; none of a fit that is inadequate, for its intervals mean
     nothing, and none of a named model, which knows of noise alone.
     """
-    result, assessment = fit.result, fit.assessment
+    result = fit.result
+    assessment = fit.assessment
     named = isinstance(result.solution, LeastSquares)
     if named or assessment.adequacy.grade is Grade.INADEQUATE:
         return ()
@@ -113,7 +115,8 @@ def what_would_help(fit: AssessedFit) -> tuple[str, ...]:
             text += f" instead of ±{percent(before)}"
             gains.setdefault(remedy, {})[name] = part, text
 
-    known, worded = assessment.uncertainty, result.problem.options.anatomy.worded
+    known = assessment.uncertainty
+    worded = result.problem.options.anatomy.worded
     stated = result.problem.settings.knowledge
     for name in result.problem.free:
         budget = known.budget(known.along(name))
@@ -134,9 +137,10 @@ def what_would_help(fit: AssessedFit) -> tuple[str, ...]:
 def what_to_measure(assessment: Assessment) -> tuple[str, ...]:
     """How to find the trial that adds most to what is weak; nothing where that would not help."""
     weak = [
-        p.name for p in assessment.parameters.values()
+        p.name
+        for p in assessment.parameters.values()
         if p.free and p.verdict in (Verdict.WEAK, Verdict.UNDETERMINED)
-    ]  # fmt: skip
+    ]
     if not weak or assessment.adequacy.grade is Grade.INADEQUATE:
         return ()
     return (

@@ -17,9 +17,14 @@ from surae.report.output import Report
 
 
 def change_report(
-    change: Change, fits: Sequence[AssessedFit], *, created: datetime,
-    baselines: Sequence[AssessedFit] = (), language: str = "en", angle: float | None = None,
-) -> Report:  # fmt: skip
+    change: Change,
+    fits: Sequence[AssessedFit],
+    *,
+    created: datetime,
+    baselines: Sequence[AssessedFit] = (),
+    language: str = "en",
+    angle: float | None = None,
+) -> Report:
     """The page of a comparison: three measures fixed beforehand, then every measure.
 
     `fits` are both that were compared, `baselines` further visits from before anything changed;
@@ -34,15 +39,20 @@ def change_report(
         [(name, torque_curve(fit)) for name, fit in zip(names, fits, strict=True)],
         _,
     )
-    curves = (block.Picture("visits", _("Torque of the relaxed ankle over its angle"), "", "here",
-                           100),)  # fmt: skip
+    curves = (
+        block.Picture("visits", _("Torque of the relaxed ankle over its angle"), "", "here", 100),
+    )
     title = _("Do the legs differ?") if change.legs else _("Did it change?")
     cards = (
         block.Section(title, change_card(lead, _), "change", "card"),
         block.Section(_("Torque and angle"), curves, "curves", "card"),
-        block.Section(_("Can I trust it?"),
-                     (light(worst.adequacy, reason_of(worst, (), _), _),), "trust", "card"),
-    )  # fmt: skip
+        block.Section(
+            _("Can I trust it?"),
+            (light(worst.adequacy, reason_of(worst, (), _), _),),
+            "trust",
+            "card",
+        ),
+    )
     document = block.Document(
         kicker="",
         heading=title,
@@ -65,15 +75,19 @@ def _every(change: Change, at: float, _: Words) -> block.Section:
         and (not d.name.endswith("deg") or d.name.endswith(f"@{at:g}deg"))
         and (d.before, d.after) != (None, None)
     ]
-    heads = block.columns("", *sides(change, _), _("Difference (95 %)"), _("Judgement"),
-                          numbers=(1, 2), wide=(0,))  # fmt: skip
+    heads = block.columns(
+        "", *sides(change, _), _("Difference (95 %)"), _("Judgement"), numbers=(1, 2), wide=(0,)
+    )
     table = block.Grid(_("The numbers"), heads, block.rows(_row(d, change, _) for d in measures))
     blocks: tuple[block.Grid | block.Text, ...] = (table,)
     if not change.is_withheld:
         every = (*change.measures.values(), *change.parameters.values())
         count = sum(d.p is not None for d in every)
-        text = _("{count} differences were looked at and allowed for (Holm). Intervals aren’t "
-                 "corrected for multiple comparisons.", count=str(count))  # fmt: skip
+        text = _(
+            "{count} differences were looked at and allowed for (Holm). Intervals aren’t "
+            "corrected for multiple comparisons.",
+            count=str(count),
+        )
         blocks = table, block.Text(text, "note")
     return block.Section(_("The numbers"), blocks, "numbers")
 

@@ -13,7 +13,8 @@ _MOVES = 0.02
 #: How alike (correlation) the angle is a cycle later, and each cycle to the first.
 _ALIKE = 0.75
 #: Fewer cycles, or cycles in less than this part of the recording, are no cyclic movement.
-_FEWEST, _COVERED = 4, 0.6
+_FEWEST = 4
+_COVERED = 0.6
 #: How far the duration of a cycle may be from the usual one.
 _UNEVEN = 0.25
 #: Points over a cycle.
@@ -74,7 +75,8 @@ def _period(movement: FloatArray) -> int | None:
     size = next_fast_len(2 * n)
     products = irfft(np.abs(rfft(movement, size)) ** 2, size)[:n]
     energy = np.cumsum(movement**2)
-    ahead, behind = energy[::-1], energy[-1] - np.r_[0.0, energy[:-1]]
+    ahead = energy[::-1]
+    behind = energy[-1] - np.r_[0.0, energy[:-1]]
     lags = n // _FEWEST
     alike = products[:lags] / np.sqrt(np.maximum(ahead * behind, 1e-30))[:lags]
     fallen = np.flatnonzero(alike < 0.5 * _ALIKE)

@@ -45,15 +45,20 @@ _BOUNDS = "converged, with parameters at a bound"
 
 
 def fit_report(
-    fit: AssessedFit, predictions: Sequence[Prediction] = (), *,
-    versions: Mapping[str, str], created: datetime,
-) -> Report:  # fmt: skip
+    fit: AssessedFit,
+    predictions: Sequence[Prediction] = (),
+    *,
+    versions: Mapping[str, str],
+    created: datetime,
+) -> Report:
     """The report of a fit; the same arguments give the same report.
 
     `predictions` are of other recordings.
     """
-    result, assessment = fit.result, fit.assessment
-    traces, budget = traces_of(result), budget_of(fit)
+    result = fit.result
+    assessment = fit.assessment
+    traces = traces_of(result)
+    budget = budget_of(fit)
     joint = result.problem.options.anatomy
     kicker = joint.worded("Ankle muscle parameters")
     names = [recording.name for recording in assessment.recordings]
@@ -112,9 +117,11 @@ def predictions_report(assessment: Assessment, predictions: Sequence[Prediction]
 
 
 def _figures(
-    fit: AssessedFit, budget: BudgetTable, traces: Sequence[Traces],
+    fit: AssessedFit,
+    budget: BudgetTable,
+    traces: Sequence[Traces],
     predictions: Sequence[Prediction],
-) -> Iterator[tuple[str, Figure]]:  # fmt: skip
+) -> Iterator[tuple[str, Figure]]:
     """Name and figure, such as ``"torque-0"``; the same on the page and on paper."""
     options = fit.result.problem.options
     for number, (trial, white) in enumerate(zip(traces, fit.assessment.whiteness, strict=True)):
@@ -140,7 +147,8 @@ def _figures(
 
 def _summary(fit: AssessedFit, traces: Sequence[Traces]) -> block.Section:
     """What a reader sees first: what the fit is worth, a few numbers, and its parameters."""
-    result, assessment = fit.result, fit.assessment
+    result = fit.result
+    assessment = fit.assessment
     torque = np.concatenate([trial.measured[trial.counted] for trial in traces])
     rms = float(np.sqrt(np.mean(torque**2)))
     message = result.message if result.message.endswith(".") else f"{result.message}."
@@ -160,7 +168,8 @@ def _summary(fit: AssessedFit, traces: Sequence[Traces]) -> block.Section:
 
 
 def _key(fit: AssessedFit, rms: float) -> block.KeyFigures:
-    result, assessment = fit.result, fit.assessment
+    result = fit.result
+    assessment = fit.assessment
     parameters = assessment.parameters.values()
     free = sum(p.free for p in parameters)
     identified = sum(p.verdict is Verdict.IDENTIFIED for p in parameters)
@@ -176,14 +185,20 @@ def _key(fit: AssessedFit, rms: float) -> block.KeyFigures:
     else:
         agreeing = f"{result.solution.agreeing} of {len(result.solution.starts)}"
         last = ("Starts that agree", agreeing, "on the best minimum")
-    r2, rmse = percentage(assessment.adequacy.r2), significant(assessment.rmse, 3)
-    return block.KeyFigures((
-        ("Torque’s changes followed, R²", f"{r2} %", "no minimum reached" if failed else vaf),
-        ("Root mean square error", f"{rmse} Nm", f"torque itself {significant(rms, 3)} Nm"),
-        ("Parameters identified", NO_NUMBER if failed else f"{identified} of {free}",
-         f"95 % interval within ±{percent(IDENTIFIED)}"),
-        last,
-    ))  # fmt: skip
+    r2 = percentage(assessment.adequacy.r2)
+    rmse = significant(assessment.rmse, 3)
+    return block.KeyFigures(
+        (
+            ("Torque’s changes followed, R²", f"{r2} %", "no minimum reached" if failed else vaf),
+            ("Root mean square error", f"{rmse} Nm", f"torque itself {significant(rms, 3)} Nm"),
+            (
+                "Parameters identified",
+                NO_NUMBER if failed else f"{identified} of {free}",
+                f"95 % interval within ±{percent(IDENTIFIED)}",
+            ),
+            last,
+        )
+    )
 
 
 def _glance(assessment: Assessment) -> block.Grid:

@@ -16,17 +16,20 @@ from surae.report import block
 #: Units as people read them: factor and name.
 _UNITS = {"s": (1e3, "ms"), "m": (1e3, "mm"), "rad": (57.29577951308232, "°"), "-": (1.0, "–")}
 #: Part of the assumed standard deviation up to which a value comes from the data, or a part of it.
-_DATA, _PARTLY = 0.5, 0.8
+_DATA = 0.5
+_PARTLY = 0.8
 #: Standard deviations from what was assumed that are worth a word.
 _UNUSUAL = 2.0
 
 
 def known_section(result: FitResult) -> tuple[block.Section, ...]:
     """What was known beforehand; nothing where nothing was stated."""
-    known, worded = result.problem.settings.knowledge, result.problem.options.anatomy.worded
+    known = result.problem.settings.knowledge
+    worded = result.problem.options.anatomy.worded
     if known is None or not (lines := known.lines()):
         return ()
-    heads, title = block.columns("What", "How well", "From", wide=(1,)), "What was known beforehand"
+    heads = block.columns("What", "How well", "From", wide=(1,))
+    title = "What was known beforehand"
     blocks: tuple[block.Block, ...] = (
         block.Text(
             "Steps of the session and what the laboratory stated. None of it is taken for exact: "
@@ -34,10 +37,16 @@ def known_section(result: FitResult) -> tuple[block.Section, ...]:
         ),
         block.Grid(title, heads, block.rows((worded(what), how, of) for what, how, of in lines)),
         *block.paragraphs(known.doubts, "warning"),
-        *(block.Text(f"{worded(LABELS[g])}: the torque fits this badly (one right statement in "
-                     f"{1.0 / p:.3g} is as far off); intervals are wider for it.", "warning")
-          for g, p in result.solution.contradicted.items() if p),
-    )  # fmt: skip
+        *(
+            block.Text(
+                f"{worded(LABELS[g])}: the torque fits this badly (one right statement in "
+                f"{1.0 / p:.3g} is as far off); intervals are wider for it.",
+                "warning",
+            )
+            for g, p in result.solution.contradicted.items()
+            if p
+        ),
+    )
     return (block.Section(title, blocks, "known", "page"),)
 
 
@@ -51,15 +60,18 @@ _NUISANCES = (
 
 def laboratory_section(fit: AssessedFit) -> tuple[block.Section, ...]:
     """Errors of the laboratory; nothing for a named model, which takes it for perfect."""
-    solution, inputs = fit.result.solution, fit.result.problem.inputs
+    solution = fit.result.solution
+    inputs = fit.result.problem.inputs
     if not solution.candidates:
         return ()
     blocks: list[block.Block] = []
     if not solution.beliefs:
-        blocks.append(block.Text(
-            "Measurement errors were left out, as requested: the intervals assume a perfect "
-            "laboratory."
-        ))  # fmt: skip
+        blocks.append(
+            block.Text(
+                "Measurement errors were left out, as requested: the intervals assume a perfect "
+                "laboratory."
+            )
+        )
     else:
         estimates = [p for name, p in fit.assessment.nuisances.items() if name in solution.beliefs]
         present = {group_of(p.name) for p in estimates}
@@ -67,9 +79,17 @@ def laboratory_section(fit: AssessedFit) -> tuple[block.Section, ...]:
         groups = [
             worded(f"{s.label}: {s.meaning}") for group, s in NUISANCES.items() if group in present
         ]
-        heads = block.columns("Imperfection", "Assumed", "Estimate", "95 % interval", "Unit",
-                              "Source", numbers=(1, 3), wide=(0, 5),
-                              looks={2: "number value", 4: "unit"})  # fmt: skip
+        heads = block.columns(
+            "Imperfection",
+            "Assumed",
+            "Estimate",
+            "95 % interval",
+            "Unit",
+            "Source",
+            numbers=(1, 3),
+            wide=(0, 5),
+            looks={2: "number value", 4: "unit"},
+        )
         rows = block.rows(_row(p, solution.beliefs[p.name]) for p in estimates)
         title = "Imperfections: what was assumed and what came out"
         blocks += [
@@ -89,7 +109,8 @@ def laboratory_section(fit: AssessedFit) -> tuple[block.Section, ...]:
 def _row(p: ParameterEstimate, belief: Gaussian) -> block.Row:
     factor, unit = _UNITS.get(p.unit, (1.0, p.unit))
     if p.unit == "-" and group_of(p.name) in ("crosstalk", "drift"):
-        factor, unit = 100.0, "%"
+        factor = 100.0
+        unit = "%"
     ends = None if p.ci95 is None else (factor * p.ci95[0], factor * p.ci95[1])
     text = estimate(factor * p.value, None if p.sem is None else factor * p.sem, ends)
     mean, sd = (significant(factor * number, 2) for number in (belief.mean, belief.sd))
@@ -106,10 +127,12 @@ def _origin(p: ParameterEstimate, belief: Gaussian) -> str:
         return NO_NUMBER
     part = p.sem / belief.sd
     text = (
-        "from the data" if part <= _DATA else
-        "partly from the data" if part <= _PARTLY else
-        "as assumed: the data add little"
-    )  # fmt: skip
+        "from the data"
+        if part <= _DATA
+        else "partly from the data"
+        if part <= _PARTLY
+        else "as assumed: the data add little"
+    )
     away = abs(p.value - belief.mean) / belief.sd
     if away > _UNUSUAL:
         text += f"; {away:.1f} standard deviations from what was assumed"
@@ -153,10 +176,13 @@ def family_section(fit: AssessedFit) -> tuple[block.Section, ...]:
         ("Other sets of imperfections, in the intervals by their probability", variants),
     ):
         rows = block.rows(
-            (get_model(each.model).title, _labels(fit.result, each) or "none",
-             probability(each.weight))
+            (
+                get_model(each.model).title,
+                _labels(fit.result, each) or "none",
+                probability(each.weight),
+            )
             for each in candidates
-        )  # fmt: skip
+        )
         if candidates:
             tables.append(block.Grid(caption, heads, rows, "family", titled=True))
     blocks: tuple[block.Block, ...] = (block.Text(family_text(fit)), *tables)
@@ -174,7 +200,8 @@ TRIALS = (
 
 def trials_section(fit: AssessedFit) -> tuple[block.Section, ...]:
     """How the trials of a joint fit differ; nothing where that was not looked at."""
-    recordings, inputs = fit.result.solution.recordings, fit.result.problem.inputs
+    recordings = fit.result.solution.recordings
+    inputs = fit.result.problem.inputs
     if not recordings:
         return ()
     apart = trial_spread(recordings)
@@ -184,16 +211,19 @@ def trials_section(fit: AssessedFit) -> tuple[block.Section, ...]:
             continue
         each = [estimate(a.values[name], a.sem[name], (0.0, 0.0)) for a in recordings]
         likely, most = (100 * sd / abs(p.value) if p.value else np.inf for sd in apart[name])
-        rows.append((
-            block.Cell(name, kind="code"),
-            "–" if p.unit == "-" else p.unit,
-            estimate(p.value, p.trusted_sem, p.ci95).value,
-            *(f"{text.value} ± {text.sem}" for text in each),
-            f"{significant(likely, 2)} % (< {significant(most, 2)} %)",
-        ))  # fmt: skip
+        rows.append(
+            (
+                block.Cell(name, kind="code"),
+                "–" if p.unit == "-" else p.unit,
+                estimate(p.value, p.trusted_sem, p.ci95).value,
+                *(f"{text.value} ± {text.sem}" for text in each),
+                f"{significant(likely, 2)} % (< {significant(most, 2)} %)",
+            )
+        )
     names = [recording.name for recording in inputs]
-    heads = block.columns("Parameter", "Unit", "Together", *names, "Spread",
-                          numbers=range(2, 4 + len(names)))  # fmt: skip
+    heads = block.columns(
+        "Parameter", "Unit", "Together", *names, "Spread", numbers=range(2, 4 + len(names))
+    )
     title = "Every parameter by recording, and its spread between trials"
     table = block.Grid(
         title, heads, block.rows(rows), "starts", repeated=2 if len(names) > 6 else 0

@@ -50,7 +50,8 @@ class Words:
 
     def __init__(self, language: str = "en", joint: Joint = ANKLE) -> None:
         check_known("language", LANGUAGES, language)
-        self.language, self._joint = language, joint
+        self.language = language
+        self._joint = joint
         self._decimal = "."
         self._messages = NullTranslations()
         self.messages: dict[str, str | Sequence[str]] = {**english()}
@@ -77,7 +78,8 @@ class Words:
         values: Mapping[str, object] = given
         code = message
         if isinstance(message, Message):
-            code, values = message.code, message.values
+            code = message.code
+            values = message.values
         text = self._messages.gettext(code) if code else ""
         if self.language == "en":
             text = english().get(code, text)

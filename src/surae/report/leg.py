@@ -50,17 +50,23 @@ class LegAnswers:
 
 
 def leg_answers(
-    trials: Sequence[Trial], fits: Mapping[str, AssessedFit], joint: AssessedFit | None, _: Words,
-    *, contradicted: Sequence[str] = (), before: AssessedFit | None = None,
+    trials: Sequence[Trial],
+    fits: Mapping[str, AssessedFit],
+    joint: AssessedFit | None,
+    _: Words,
+    *,
+    contradicted: Sequence[str] = (),
+    before: AssessedFit | None = None,
     nerve: Nerve | None = None,
-) -> LegAnswers:  # fmt: skip
+) -> LegAnswers:
     """Answer the questions of a leg; how much is nerve where that was measured.
 
     `fits` are of each trial by itself, `joint` of all together or of the only trial that was
     fitted, `before` of an earlier visit; in `contradicted` parameters trials contradict each other.
     """
     holds, stretches = _measured(trials, fits)
-    of_fit, at = None, angle_of(joint, holds, stretches)
+    of_fit = None
+    at = angle_of(joint, holds, stretches)
     known = read_norms(joint=ANKLE if joint is None else joint.result.problem.options.anatomy)
     if joint is not None:
         angles = {at, *ANGLES, *(_point(norm) for norm in known)}
@@ -78,10 +84,12 @@ def leg_answers(
     if m is not None and of_fit is not None and model is not None and follows:
         stiff = leg_cards.modelled_stiffness(m, of_fit, known, slope, _)
     else:
-        stiff = leg_cards.measured_stiffness(slope, None if follows else m, _,
-                                         without_weight=model is not None)  # fmt: skip
+        stiff = leg_cards.measured_stiffness(
+            slope, None if follows else m, _, without_weight=model is not None
+        )
     parts = [] if of_fit is None else leg_cards.parts_of(of_fit)
-    made, change = leg_cards.made_of(joint, of_fit, parts, _), None
+    made = leg_cards.made_of(joint, of_fit, parts, _)
+    change = None
     if joint is not None and before is not None:
         change = compared(before, joint)
     figures: dict[str, Figure] = {}
@@ -93,9 +101,11 @@ def leg_answers(
         figures["stiffness"] = stiffness_figure(holds, stretches, model, healthy, own, _)
     if any(each.kind == "picture" for each in made):
         figures["made"] = shares_bar([(_(name), value, ci) for name, value, ci in parts])
-    picture = leg_cards.stiffness_picture(len(holds), len(stretches), zero, _,
-                                      without_weight=model is not None)  # fmt: skip
-    nerves, nerve_card = [], plugins("cards", FunctionType).get("nerve")
+    picture = leg_cards.stiffness_picture(
+        len(holds), len(stretches), zero, _, without_weight=model is not None
+    )
+    nerves = []
+    nerve_card = plugins("cards", FunctionType).get("nerve")
     if nerve is not None and nerve_card is not None:
         card, drawn = nerve_card(nerve, _)
         figures |= drawn
@@ -104,10 +114,16 @@ def leg_answers(
         (_("How stiff is it?"), (*stiff, picture), "stiff"),
         (_("Tissue, muscle or tendon?"), made, "made"),
         (_("Did it change?"), leg_cards.change_card(change, _), "change"),
-        (_("Can I trust it?"), (*leg_cards.trust(joint, contradicted, follows=follows, _=_),
-                                *leg_cards.next_trial(joint, holds, stretches, _)), "trust"),
+        (
+            _("Can I trust it?"),
+            (
+                *leg_cards.trust(joint, contradicted, follows=follows, _=_),
+                *leg_cards.next_trial(joint, holds, stretches, _),
+            ),
+            "trust",
+        ),
         *nerves,
-    )  # fmt: skip
+    )
     return LegAnswers(
         tuple(block.Section(*card, "card") for card in sections), figures, of_fit, at, zero
     )
@@ -122,9 +138,12 @@ def first_answer(trials: Sequence[Trial], _: Words) -> str:
 
 
 def compared(
-    before: AssessedFit, after: AssessedFit, *, baselines: Sequence[AssessedFit] = (),
+    before: AssessedFit,
+    after: AssessedFit,
+    *,
+    baselines: Sequence[AssessedFit] = (),
     legs: bool = False,
-) -> Change:  # fmt: skip
+) -> Change:
     """The three measures that two visits, or two legs, are compared in.
 
     `baselines` are visits from before anything changed.
@@ -143,7 +162,8 @@ def _measured(
     trials: Sequence[Trial], fits: Mapping[str, AssessedFit]
 ) -> tuple[list[HeldPoint], list[Stretch]]:
     """Passive holds, and passive trials that move."""
-    holds, stretches = [], []
+    holds = []
+    stretches = []
     for trial in trials:
         if trial.effort != "passive":
             continue
@@ -171,15 +191,18 @@ def angle_of(
 
 
 def _without(
-    torque: Callable[[FloatArray], FloatArray | float], holds: Sequence[HeldPoint],
+    torque: Callable[[FloatArray], FloatArray | float],
+    holds: Sequence[HeldPoint],
     stretches: Sequence[Stretch],
-) -> tuple[list[HeldPoint], list[Stretch]]:  # fmt: skip
+) -> tuple[list[HeldPoint], list[Stretch]]:
     """What was measured without a torque [Nm], a function of the angle [deg]."""
     return (
         [replace(h, torque=h.torque - float(torque(np.array(h.angle)))) for h in holds],
-        [replace(s, loading=s.loading - torque(s.angle), unloading=s.unloading - torque(s.angle))
-         for s in stretches],
-    )  # fmt: skip
+        [
+            replace(s, loading=s.loading - torque(s.angle), unloading=s.unloading - torque(s.angle))
+            for s in stretches
+        ],
+    )
 
 
 def _zero(model: TorqueCurve, holds: Sequence[HeldPoint], stretches: Sequence[Stretch]) -> float:

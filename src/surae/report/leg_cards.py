@@ -47,11 +47,20 @@ def modelled_stiffness(
     for p in placed(of_fit, groups):
         own, _span = _.estimate(p.value, of_fit[p.norm.measure].ci95)
         below = p.text if p.ends is None else f"{p.text} ({_.span(*p.ends)})"
-        lines.append(block.Text(_(
-            "{measure}: {value} {unit}; {below} of {group} lie below ({reference}).",
-            measure=_.measure(p.norm.measure), value=own, unit=p.norm.unit.replace("deg", "°"),
-            below=below, group=_(p.norm.group), reference=p.norm.reference,
-        ), "note"))  # fmt: skip
+        lines.append(
+            block.Text(
+                _(
+                    "{measure}: {value} {unit}; {below} of {group} lie below ({reference}).",
+                    measure=_.measure(p.norm.measure),
+                    value=own,
+                    unit=p.norm.unit.replace("deg", "°"),
+                    below=below,
+                    group=_(p.norm.group),
+                    reference=p.norm.reference,
+                ),
+                "note",
+            )
+        )
     if slope is not None:
         lines.append(block.Text(_("Measured slope: {slope}.", slope=slope_text(slope, _))))
     return tuple(lines)
@@ -67,14 +76,20 @@ def measured_stiffness(
     if slope is None:
         return (
             block.Text("", "say", _("Not measured")),
-            block.Text(_("Record one slow passive stretch, or hold the relaxed ankle at three "
-                        "angles.")),
-        )  # fmt: skip
+            block.Text(
+                _("Record one slow passive stretch, or hold the relaxed ankle at three angles.")
+            ),
+        )
     why = _("The model cannot yet separate stiffness from the rest.")
     if against is not None and against.value is not None:
         value, span = _.estimate(against.value, against.ci95)
-        why = _("The model’s stiffness {range}, {value} Nm/° ({span}), does not agree with the "
-                "held angles.", value=value, range=over(against, _), span=span)  # fmt: skip
+        why = _(
+            "The model’s stiffness {range}, {value} Nm/° ({span}), does not agree with the "
+            "held angles.",
+            value=value,
+            range=over(against, _),
+            span=span,
+        )
     value, origin = _slope(slope, _)
     weight = _("This is the measured slope; it includes the foot’s weight.")
     if without_weight:
@@ -98,8 +113,9 @@ def stiffness_picture(
         caption += " " + _("The foot’s weight is taken out.")
     if zero:
         number = _.number(significant(zero, 3))
-        caption += " " + _("One torque offset, {zero} Nm, is subtracted from every trial.",
-                           zero=number)  # fmt: skip
+        caption += " " + _(
+            "One torque offset, {zero} Nm, is subtracted from every trial.", zero=number
+        )
     alt = _("Measured torque of the relaxed ankle over its angle, with the model’s curve.")
     return block.Picture("stiffness", alt, caption, "here", 100)
 
@@ -150,12 +166,16 @@ def made_of(
 ) -> tuple[block.Block, ...]:
     """The shares of the torque, where the recordings separate them."""
     if joint is None or of_fit is None:
-        return (block.Text("", "say", _("Not known")),
-                block.Text(_("There is no fit of this leg as a whole.")))  # fmt: skip
+        return (
+            block.Text("", "say", _("Not known")),
+            block.Text(_("There is no fit of this leg as a whole.")),
+        )
     why = ""
     if _no_calf(joint):
-        why = _("No EMG of the calf was recorded, so its muscle and tissue look alike. Record "
-                "soleus and both gastrocnemii.")  # fmt: skip
+        why = _(
+            "No EMG of the calf was recorded, so its muscle and tissue look alike. Record "
+            "soleus and both gastrocnemii."
+        )
     elif not parts:
         why = _("The recordings do not separate them.")
     elif of_fit.adequacy.grade is Grade.INADEQUATE:
@@ -206,26 +226,31 @@ def change_card(change: Change | None, _: Words) -> tuple[block.Block, ...]:
         how = _("different") if change.legs else _("changed")
         headline = f"{changed[0]}: {how}"
     elif change.is_withheld:
-        headline, about = (
-            _("Cannot tell"),
-            _("one visit’s fit is unreliable, so we can’t say whether the leg changed"),
-        )
+        headline = _("Cannot tell")
+        about = _("one visit’s fit is unreliable, so we can’t say whether the leg changed")
     elif all(d.verdict is ChangeVerdict.NOT_COMPARABLE for d in found):
         headline = _("Cannot compare")
     else:
         headline = _("Not shown")
     rows = [differing(d, _) for d in found]
-    heads = block.columns(_("Measure"), *sides(change, _), _("Difference (95 %)"), numbers=(1, 2),
-                          wide=(0,))  # fmt: skip
+    heads = block.columns(
+        _("Measure"), *sides(change, _), _("Difference (95 %)"), numbers=(1, 2), wide=(0,)
+    )
     table = block.Grid(_("Measures fixed beforehand"), heads, block.rows(rows), "small")
     blocks: list[block.Block] = [block.Text(about, "say", headline), table]
     lead = change.measures.get(COMPARED[0])
     if lead is not None and lead.smallest is not None:
         smallest = _.number(significant(lead.smallest, 2))
-        blocks.append(block.Text(_(
-            "These recordings could have shown a difference in stiffness of {smallest} Nm/° or "
-            "more.", smallest=smallest,
-        )))  # fmt: skip
+        blocks.append(
+            block.Text(
+                _(
+                    "These recordings could have shown a difference in stiffness "
+                    "of {smallest} Nm/° or "
+                    "more.",
+                    smallest=smallest,
+                )
+            )
+        )
     return tuple(blocks)
 
 
@@ -236,8 +261,7 @@ def sides(change: Change, _: Words) -> tuple[str, str]:
 
 def differing(d: Difference, _: Words) -> tuple[str | block.Cell, ...]:
     """A row of a comparison: what is compared, both values, the difference."""
-    both = [NO_NUMBER if v is None else _.number(significant(v, 3))
-            for v in (d.before, d.after)]  # fmt: skip
+    both = [NO_NUMBER if v is None else _.number(significant(v, 3)) for v in (d.before, d.after)]
     difference = block.Cell(NO_NUMBER)
     if d.difference is not None and d.ci95 is not None:
         difference = block.Cell(*_.estimate(d.difference, d.ci95))
@@ -246,7 +270,8 @@ def differing(d: Difference, _: Words) -> tuple[str | block.Cell, ...]:
 
 def titled(m: Measure | Difference, _: Words) -> str:
     """What a measure is called, over which range, and with its unit where it has one."""
-    unit, where = m.unit.replace("deg", "°").strip("-"), over(m, _)
+    unit = m.unit.replace("deg", "°").strip("-")
+    where = over(m, _)
     name = _.measure(m.name) + (f", {where}" if where else "")
     return f"{name} [{unit}]" if unit else name
 
@@ -268,7 +293,8 @@ def trust(
     if joint is None:
         none = Adequacy(Grade.INADEQUATE, (), np.nan)
         return (light(none, _("there is no fit of this leg as a whole"), _),)
-    result, assessment = joint.result, joint.assessment
+    result = joint.result
+    assessment = joint.assessment
     adequacy = assessment.adequacy
     if adequacy.grade is Grade.ADEQUATE and (contradicted or not follows):
         adequacy = replace(adequacy, grade=Grade.DOUBTFUL)
@@ -278,23 +304,32 @@ def trust(
     followed = _.many(
         "The model follows {r2} % of the torque’s changes in {n} trial.",
         "The model follows {r2} % of the torque’s changes in {n} trials.",
-        len(result.problem.inputs), r2=_.number(f"{adequacy.r2:.1f}".replace("-", "−")),
-    )  # fmt: skip
+        len(result.problem.inputs),
+        r2=_.number(f"{adequacy.r2:.1f}".replace("-", "−")),
+    )
     return light(adequacy, reason, _), block.Text(followed)
 
 
 def reason_of(assessment: Assessment, contradicted: Sequence[str], _: Words) -> str:
     """The one reason that weighs most, in plain words."""
     if contradicted and PASSIVE & set(contradicted):
-        return _.many("{n} value differs between trials",
-                      "{n} values differ between trials", len(contradicted))  # fmt: skip
+        return _.many(
+            "{n} value differs between trials",
+            "{n} values differ between trials",
+            len(contradicted),
+        )
     if contradicted:
-        return _.many("{n} value differs between trials; stiffness is not affected",
-                      "{n} values differ between trials; stiffness is not affected",
-                      len(contradicted))  # fmt: skip
+        return _.many(
+            "{n} value differs between trials; stiffness is not affected",
+            "{n} values differ between trials; stiffness is not affected",
+            len(contradicted),
+        )
     if bound := sum(p.at_bound and p.free for p in assessment.parameters.values()):
-        return _.many("{n} value reached its limit and can’t be trusted",
-                      "{n} values reached their limits and can’t be trusted", bound)  # fmt: skip
+        return _.many(
+            "{n} value reached its limit and can’t be trusted",
+            "{n} values reached their limits and can’t be trusted",
+            bound,
+        )
     against = assessment.adequacy.against
     return _(against[0].plain) if against else _("nothing speaks against these numbers")
 

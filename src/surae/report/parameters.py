@@ -20,8 +20,10 @@ _GROUPS = {
 
 def parameters_section(fit: AssessedFit, *, next_anchor: str) -> block.Section:
     """All parameters by the part of the torque they act on; weak ones lead to `next_anchor`."""
-    result, assessment = fit.result, fit.assessment
-    priors, interval = result.problem.priors, assessment.interval
+    result = fit.result
+    assessment = fit.assessment
+    priors = result.problem.priors
+    interval = assessment.interval
     marginal = interval is Interval.MARGINAL
     groups: dict[str, list[tuple[block.AnyCell, ...]]] = {}
     for p in shown_parameters(assessment):
@@ -48,13 +50,16 @@ def parameters_section(fit: AssessedFit, *, next_anchor: str) -> block.Section:
     if priors:
         note += " Thin line below: the prior, one standard deviation to either side."
     heads = [
-        block.Heading("Parameter"), block.Heading("Value", "number value"),
+        block.Heading("Parameter"),
+        block.Heading("Value", "number value"),
         block.Heading("95 % interval", "number"),
         block.Heading("SEM (34)", "number value" if interval is Interval.THESIS else "number"),
         block.Heading("Robust SEM", "number value" if interval is Interval.ROBUST else "number"),
-        block.Heading("Unit", "unit"), block.Heading("Between its bounds", "where"),
-        block.Heading("Repeatable", "repeat"), block.Heading("Verdict", "judgement", wide=True),
-    ]  # fmt: skip
+        block.Heading("Unit", "unit"),
+        block.Heading("Between its bounds", "where"),
+        block.Heading("Repeatable", "repeat"),
+        block.Heading("Verdict", "judgement", wide=True),
+    ]
     table = block.Grid(
         "Estimates of all parameters with their uncertainty",
         tuple(heads[:3] + heads[5:] if marginal else heads),
@@ -103,11 +108,14 @@ def _row(p: ParameterEstimate, prior: Prior | None, next_anchor: str) -> tuple[b
         standard_error(p.sem),
         standard_error(p.sem_robust),
         "–" if p.unit == "-" else p.unit,
-        block.Cell(NO_NUMBER if bar is None else "", bar=bar,
-             under=f"{short(p.lower)} … {short(p.upper)}" if bar else ""),
+        block.Cell(
+            NO_NUMBER if bar is None else "",
+            bar=bar,
+            under=f"{short(p.lower)} … {short(p.upper)}" if bar else "",
+        ),
         block.Cell(repeatable(p), under=again),
         block.verdict(p.verdict, why=why, link=next_anchor if unsure else ""),
-    )  # fmt: skip
+    )
 
 
 def _bar(p: ParameterEstimate, prior: Prior | None) -> block.IntervalBar:

@@ -112,7 +112,8 @@ _STAGES = {
 
 def fit_settings(result: FitResult) -> list[tuple[str, str]]:
     """What was fitted and how long it took, then every setting that is not its default."""
-    problem, solution = result.problem, result.solution
+    problem = result.problem
+    solution = result.solution
     chosen = ", chosen by model auto" if solution.candidates else ""
     facts = [
         ("Model", f"{problem.spec.title} ({problem.spec.name}){chosen}"),

@@ -19,10 +19,13 @@ def recording_section(
     number: int, quality: RecordingQuality, traces: Traces, white: Whiteness
 ) -> block.Section:
     """Describe a recording, its fit and the residual."""
-    low, high, joint = float(traces.angle.min()), float(traces.angle.max()), traces.joint
+    low = float(traces.angle.min())
+    high = float(traces.angle.max())
+    joint = traces.joint
     span = f"{signed(low, 2)} … {signed(high, 2)} rad"
     degrees = f"{signed(np.degrees(low), 0)} … {signed(np.degrees(high), 0)}°"
-    least, most = float(traces.measured.min()), float(traces.measured.max())
+    least = float(traces.measured.min())
+    most = float(traces.measured.max())
     duration = quality.n / quality.rate_hz
     facts = [
         ("Centred R²", f"{percentage(quality.r2)} %"),

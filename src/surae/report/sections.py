@@ -15,7 +15,8 @@ from surae.report import block
 
 def correlation_section(assessment: Assessment) -> block.Section:
     """The correlations of the estimates: the map, and the IPDE."""
-    k, ipde = len(assessment.covariance.names), NO_NUMBER
+    k = len(assessment.covariance.names)
+    ipde = NO_NUMBER
     if assessment.ipde is not None:
         most = significant((k * (k - 1) / 2) ** 0.5, 3)
         ipde = f"{significant(assessment.ipde, 3)} (0 if independent, at most {most})"
@@ -25,9 +26,12 @@ def correlation_section(assessment: Assessment) -> block.Section:
         "correlated pair does together is known better than what each does alone."
     )
     picture = block.Picture(
-        "correlation", f"Heat map of the correlations of {k} estimated parameters.",
-        "Normalised covariance. The darker, the stronger.", "map", width=62,
-    )  # fmt: skip
+        "correlation",
+        f"Heat map of the correlations of {k} estimated parameters.",
+        "Normalised covariance. The darker, the stronger.",
+        "map",
+        width=62,
+    )
     title = "Correlation of the estimates"
     return block.Section(title, (block.Text(text), picture), "correlation", "page")
 
@@ -130,21 +134,35 @@ def identifiability_section(fit: AssessedFit) -> block.Section:
         text += f" Standard errors here: {noise}."
     directions = block.Grid(
         "Combinations of parameters that are known least",
-        block.columns("Together", "Known to ±", "A change that this torque cannot show",
-                      numbers=(1,), wide=(0, 2)),
+        block.columns(
+            "Together",
+            "Known to ±",
+            "A change that this torque cannot show",
+            numbers=(1,),
+            wide=(0, 2),
+        ),
         block.rows(map(_direction, shown)),
         "directions",
         titled=True,
-    )  # fmt: skip
+    )
     sensitivity = block.Grid(
         "Influence of every estimated parameter, and what to do about those that are not "
         "identified",
-        block.columns("Parameter", "Influence δ", "SEM alone", "Widened ×", "Verdict", "What to do",
-                      numbers=(1, 2, 3), wide=(5,), looks={5: "why"}),
+        block.columns(
+            "Parameter",
+            "Influence δ",
+            "SEM alone",
+            "Widened ×",
+            "Verdict",
+            "What to do",
+            numbers=(1, 2, 3),
+            wide=(5,),
+            looks={5: "why"},
+        ),
         block.rows(_row(p, fit.assessment) for p in sorted(own, key=lambda p: -p.sensitivity)),
         "sensitivity",
         titled=True,
-    )  # fmt: skip
+    )
     return block.Section(
         title,
         (block.Text(text), directions, sensitivity, block.Text(_NOTE, "note")),

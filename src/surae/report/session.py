@@ -45,15 +45,26 @@ def answers_in(document: block.Document) -> tuple[tuple[str, str], ...]:
 
 
 def session_report(
-    leg: FittedLeg, *, created: datetime, before: AssessedFit | None = None, language: str = "en",
+    leg: FittedLeg,
+    *,
+    created: datetime,
+    before: AssessedFit | None = None,
+    language: str = "en",
     brief: bool = False,
-) -> Report:  # fmt: skip
+) -> Report:
     """The leg's page: its answers, then, if not `brief`, details and research, in English alone."""
     shown = leg.main
     _ = words_in(language, ANKLE if shown is None else shown.result.problem.options.anatomy)
     contradicted = trials.contradictions(leg.alone, leg.together)
-    answers = leg_answers(leg.session.trials, leg.fits, shown, _, contradicted=tuple(contradicted),
-                          before=before, nerve=leg.nerve)  # fmt: skip
+    answers = leg_answers(
+        leg.session.trials,
+        leg.fits,
+        shown,
+        _,
+        contradicted=tuple(contradicted),
+        before=before,
+        nerve=leg.nerve,
+    )
     figures = dict(answers.figures)
     rest: tuple[block.Section, ...] = ()
     if answers.measures is not None:
@@ -88,7 +99,8 @@ def _details(
     figures: dict[str, Figure],
 ) -> tuple[block.Section, ...]:
     """Details and research; their figures are added to `figures`."""
-    shown, _ = leg.main, words_in("en")
+    shown = leg.main
+    _ = words_in("en")
     details = [
         trials.trials_section(
             leg.session.trials, leg.alone, leg.failed, leg.quality, leg.joint_predictions
@@ -99,9 +111,11 @@ def _details(
         r2 = [f"R² {percentage(each.r2)} %" for each in shown.assessment.recordings]
         figures["torques"] = fit_figure(shown.result, r2)
         picture = block.Picture(
-            "torques", "Measured torque of each trial, and the model’s.",
-            "Measured torque (wide, pale) and the model’s (thin, dark), with its R².", "here",
-        )  # fmt: skip
+            "torques",
+            "Measured torque of each trial, and the model’s.",
+            "Measured torque (wide, pale) and the model’s (thin, dark), with its R².",
+            "here",
+        )
         details.append(block.Section("Torque", (picture,), "torques"))
         if are_holds(traced := traces_of(shown.result)):
             figures["holds"] = holds_figure(traced)
@@ -165,7 +179,8 @@ def _in_words(of_fit: Measures, at: float, _: Words) -> block.Section:
 
 def _other_measures(of_fit: Measures) -> block.Section:
     """Every other measure that is known, and how many are not."""
-    every, _ = list(of_fit.values()), words_in("en")
+    every = list(of_fit.values())
+    _ = words_in("en")
     rows: Iterator[block.Row] = (
         (
             block.Cell(m.name, kind="code", meaning=m.meaning),
@@ -194,8 +209,10 @@ def _about(session: TrialSet, _: Words) -> str:
 def _warnings(leg: FittedLeg, _: Words) -> Iterable[str]:
     """What makes the answers less than they could be."""
     if leg.interrupted:
-        yield _("This run was stopped: only fits that were complete are used. The same command "
-                "continues it.")  # fmt: skip
+        yield _(
+            "This run was stopped: only fits that were complete are used. The same command "
+            "continues it."
+        )
     why = leg.failed.get("joint", "")
     if leg.joint is None and len(leg.fits) > 1 and why:
         none = _("There is no fit of all trials together.")
@@ -220,5 +237,6 @@ def _summary(leg: FittedLeg, _: Words) -> str:
     ):
         if count:
             uses.append(message.format(n=count))
-    return _.many("{n} trial: {uses}.", "{n} trials: {uses}.", len(leg.session.trials),
-                  uses=", ".join(uses))  # fmt: skip
+    return _.many(
+        "{n} trial: {uses}.", "{n} trials: {uses}.", len(leg.session.trials), uses=", ".join(uses)
+    )

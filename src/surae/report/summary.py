@@ -28,7 +28,8 @@ def fit_table(fit: AssessedFit, width: int = 100) -> TextTable:
 
     Sentences are folded to `width` columns.
     """
-    result, assessment = fit.result, fit.assessment
+    result = fit.result
+    assessment = fit.assessment
     words = adequacy_words(assessment.adequacy)
     listed = estimates_table(shown_parameters(assessment))
     groups = [_notes(assessment), _helps(fit), _closing(fit)]
@@ -50,9 +51,17 @@ def estimates_table(estimates: Iterable[ParameterEstimate]) -> TextTable:
     rows = []
     for p in estimates:
         text = estimate(p.value, p.trusted_sem, p.ci95)
-        rows.append((
-            p.name, text.value, text.interval, p.unit, repeatable(p), str(p.verdict), p.meaning,
-        ))  # fmt: skip
+        rows.append(
+            (
+                p.name,
+                text.value,
+                text.interval,
+                p.unit,
+                repeatable(p),
+                str(p.verdict),
+                p.meaning,
+            )
+        )
     return TextTable(_HEADS, tuple(rows), numbers=("value", "95 % interval"))
 
 
@@ -93,7 +102,8 @@ def _helps(fit: AssessedFit) -> list[str]:
 
 def _closing(fit: AssessedFit) -> list[str]:
     """How well each recording is followed, what was asked for, and how the search ended."""
-    result, assessment = fit.result, fit.assessment
+    result = fit.result
+    assessment = fit.assessment
     lines = []
     for each in assessment.recordings:
         lines.append(

@@ -73,8 +73,14 @@ def traces_of(result: FitResult) -> tuple[Traces, ...]:
     ]
     return tuple(
         Traces(
-            recording.name, recording.rate_hz, recording.time, recording.emg, recording.emg_unit,
-            recording.missing_emg, recording.angle, recording.torque,
+            recording.name,
+            recording.rate_hz,
+            recording.time,
+            recording.emg,
+            recording.emg_unit,
+            recording.missing_emg,
+            recording.angle,
+            recording.torque,
             modelled=read_only(recording.torque - residual),
             parts=simulator.parts(vector),
             tendon=simulator.tendon(vector),
@@ -85,7 +91,7 @@ def traces_of(result: FitResult) -> tuple[Traces, ...]:
         )
         for (recording, simulator), residual in zip(tied, result.residuals, strict=True)
         if recording.torque is not None
-    )  # fmt: skip
+    )
 
 
 IndexArray = npt.NDArray[np.intp]
@@ -112,7 +118,8 @@ def extremes(signals: Sequence[FloatArray], points: int = POINTS) -> IndexArray:
     if n <= points:
         return np.arange(n)
     size = -(-n // max(points // (2 * len(signals)), 1))
-    begins, shown = np.arange(0, n, size), [np.array([0, n - 1])]
+    begins = np.arange(0, n, size)
+    shown = [np.array([0, n - 1])]
     for values in signals:
         rows = np.pad(values, (0, -n % size), mode="edge").reshape(-1, size)
         shown += [begins + rows.argmin(axis=1), begins + rows.argmax(axis=1)]
@@ -120,7 +127,8 @@ def extremes(signals: Sequence[FloatArray], points: int = POINTS) -> IndexArray:
 
 
 #: Samples of all recordings that a page holds at most, and of each at least.
-_POINTS, _FEWEST = 12_000, 1500
+_POINTS = 12_000
+_FEWEST = 1500
 #: Steps between the least and the largest value of a line; the next number says: none.
 _STEPS = 65534
 
@@ -138,7 +146,8 @@ def signals_of(recordings: Sequence[Traces]) -> str:
 def plots() -> dict[str, Any]:
     """Scripts and style sheet of the plots; the page runs no others."""
     package = files("surae.report") / "static"
-    library, own = package / "vendor" / "uplot", package / "explore.js"
+    library = package / "vendor" / "uplot"
+    own = package / "explore.js"
     scripts = [
         path.read_text(encoding="utf-8").strip() for path in (library / "uPlot.iife.min.js", own)
     ]

@@ -41,9 +41,17 @@ def trials_section(
         _trial(t, alone.get(t.name), joint.get(t.name), failed.get(t.name, ""), quality.get(t.name))
         for t in trials
     )
-    heads = block.columns("Trial", "What it is", "Used for", "Check", "Alone, R² [%]",
-                          "All together, R² [%]", numbers=(4, 5), wide=(1,),
-                          looks={0: "column", 1: "what"})  # fmt: skip
+    heads = block.columns(
+        "Trial",
+        "What it is",
+        "Used for",
+        "Check",
+        "Alone, R² [%]",
+        "All together, R² [%]",
+        numbers=(4, 5),
+        wide=(1,),
+        looks={0: "column", 1: "what"},
+    )
     note = (
         "R² says how well changes of the torque are followed; a hold has none. Shaded: used in "
         "the fit, so agreement is no test."
@@ -52,8 +60,9 @@ def trials_section(
     holds = [t for t in trials if t.hold is not None]
     blocks: list[block.Block] = [table, block.Text(note, "note")]
     if holds:
-        heads = block.columns("Held", "Effort", "Angle [°]", "Torque [Nm]", "Predicted [Nm]",
-                              numbers=(2, 3, 4))  # fmt: skip
+        heads = block.columns(
+            "Held", "Effort", "Angle [°]", "Torque [Nm]", "Predicted [Nm]", numbers=(2, 3, 4)
+        )
         points = block.rows(_hold(t, joint.get(t.name)) for t in holds)
         blocks.append(block.Grid("Torque of trials that hold still", heads, points))
     return block.Section("Trials", tuple(blocks), "trials")
@@ -66,7 +75,8 @@ def _trial(
     failed: str,
     checked: Quality | None,
 ) -> block.Row:
-    (what, use), worst = trial_words(trial), "" if checked is None else checked.worst
+    (what, use) = trial_words(trial)
+    worst = "" if checked is None else checked.worst
     badge = (f"severity {worst}", worst) if worst in ("error", "warning") else None
     r2 = block.Cell(NO_NUMBER)
     if alone is not None:
@@ -108,8 +118,11 @@ def crossed_section(
         "doubtful, inadequate: less, or far less."
     )
     moving = [trial.name for trial in trials if trial.moves and not trial.problem]
-    heads = block.columns("Parameters of", *moving, looks={0: "column"} | {
-        k + 1: "number column" for k in range(len(moving))})  # fmt: skip
+    heads = block.columns(
+        "Parameters of",
+        *moving,
+        looks={0: "column"} | {k + 1: "number column" for k in range(len(moving))},
+    )
     every = {**predictions, **({"all together": joint} if joint else {})}
     rows = block.rows(
         (name, *(_cell(row.get(predicted)) for predicted in moving)) for name, row in every.items()
@@ -142,7 +155,8 @@ def findings_section(quality: Mapping[str, Quality], zero: float = 0.0) -> block
             found.setdefault((-place, finding.code), []).append((name, finding))
     rows: list[block.Row] = []
     for (_, code), those in sorted(found.items(), key=lambda item: item[0]):
-        names, first = list(dict.fromkeys(name for name, _ in those)), those[0][1]
+        names = list(dict.fromkeys(name for name, _ in those))
+        first = those[0][1]
         where = f"{len(names)} trials: {', '.join(names)}"
         if len(those) == 1:
             where = f"{names[0]}, {first.start_s:.4g} to {first.end_s:.4g} s"
@@ -155,8 +169,12 @@ def findings_section(quality: Mapping[str, Quality], zero: float = 0.0) -> block
             off = zero or float(np.median([finding.value or 0.0 for _, finding in those]))
             said = f"The torque’s zero is off by about {off:.3g} Nm, taken as one for all trials."
         rows.append((mark, block.Cell(said, why=first.advice)))
-    table = block.Grid("What was found in the recordings", block.columns("", "", wide=(1,)),
-                       block.rows(rows), "findings")  # fmt: skip
+    table = block.Grid(
+        "What was found in the recordings",
+        block.columns("", "", wide=(1,)),
+        block.rows(rows),
+        "findings",
+    )
     blocks: list[block.Block] = [table if rows else block.Text("Nothing was found.")]
     skipped = {
         f"{s.check} ({s.reason.rstrip('.')})": None

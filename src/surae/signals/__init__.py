@@ -17,8 +17,24 @@ from surae.signals.settings import Preparation
 from surae.signals.weighting import Weighting, settled, weighted
 
 __all__ = [
-    "EmgReference", "Film", "ModelInputs", "Preparation", "Weighting", "check_estimable",
-    "emg_levels", "emg_reference", "inputs_as_given", "noise_alone", "normalise", "normalised",
-    "prepare", "quiet_levels", "settled", "smooth_effort", "steady_emg", "thinned",
-    "thinning_factor", "weighted",
-]  # fmt: skip
+    "EmgReference",
+    "Film",
+    "ModelInputs",
+    "Preparation",
+    "Weighting",
+    "check_estimable",
+    "emg_levels",
+    "emg_reference",
+    "inputs_as_given",
+    "noise_alone",
+    "normalise",
+    "normalised",
+    "prepare",
+    "quiet_levels",
+    "settled",
+    "smooth_effort",
+    "steady_emg",
+    "thinned",
+    "thinning_factor",
+    "weighted",
+]

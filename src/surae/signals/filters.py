@@ -27,7 +27,9 @@ HIGHEST_CUTOFF = 0.45
 
 #: The anti-aliasing filter loses 3 dB at `ANTIALIAS_PASS` × target rate, and at least 60 dB from
 #: `ANTIALIAS_STOP` × target rate on: what lies beyond would fold back below the former.
-ANTIALIAS_PASS, ANTIALIAS_STOP, ANTIALIAS_ORDER = 0.4, 0.6, 10
+ANTIALIAS_PASS = 0.4
+ANTIALIAS_STOP = 0.6
+ANTIALIAS_ORDER = 10
 
 #: Extension at the ends lasts until the slowest pole has decayed to this.
 _MEMORY = 1e-4
@@ -37,9 +39,15 @@ _HALF = math.sqrt(2.0) - 1.0
 
 
 def zero_phase(
-    kind: Kind, values: FloatArray, rate_hz: float, cutoff_hz: float, order: int, *,
-    ends: Ends = "odd", where: str = "signal",
-) -> FloatArray:  # fmt: skip
+    kind: Kind,
+    values: FloatArray,
+    rate_hz: float,
+    cutoff_hz: float,
+    order: int,
+    *,
+    ends: Ends = "odd",
+    where: str = "signal",
+) -> FloatArray:
     """A Butterworth filter, or a Bessel low-pass, which does not overshoot at a step, of (…, n).
 
     `cutoff_hz` is the −3 dB point of both passes together, `order` that of one; `ends` says how the
@@ -63,9 +71,13 @@ def zero_phase(
 
 
 def antialias(
-    values: FloatArray, rate_hz: float, target_hz: float, *, ends: Ends = "odd",
+    values: FloatArray,
+    rate_hz: float,
+    target_hz: float,
+    *,
+    ends: Ends = "odd",
     where: str = "signal",
-) -> FloatArray:  # fmt: skip
+) -> FloatArray:
     """Low-pass before the signal is sampled at `target_hz`; ends and errors as of `zero_phase`.
 
     Gain of the 10th-order Butterworth, both passes, as a fraction of the target rate: within 1e-6

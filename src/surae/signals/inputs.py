@@ -117,10 +117,16 @@ class ModelInputs(Comparable):
 
 
 def inputs_as_given(
-    name: str, rate_hz: float, time: FloatArray, motion: tuple[FloatArray, FloatArray, FloatArray],
-    emg: FloatArray, *, emg_unit: str = "V", torque: FloatArray | None = None,
+    name: str,
+    rate_hz: float,
+    time: FloatArray,
+    motion: tuple[FloatArray, FloatArray, FloatArray],
+    emg: FloatArray,
+    *,
+    emg_unit: str = "V",
+    torque: FloatArray | None = None,
     steps: tuple[str, ...] = (),
-) -> ModelInputs:  # fmt: skip
+) -> ModelInputs:
     """Inputs of signals that are used as they are: simulated ones, or a protocol's.
 
     `motion` is angle, velocity and acceleration [rad, rad/s, rad/s²]; all else is as of
@@ -128,9 +134,18 @@ def inputs_as_given(
     """
     time, emg, angle, velocity, acceleration = map(as_read_only, (time, emg, *motion))
     return ModelInputs(
-        name, rate_hz, time, angle, velocity, acceleration, emg, emg_unit,
-        None if torque is None else as_read_only(torque), steps=steps, prepared=True,
-    )  # fmt: skip
+        name,
+        rate_hz,
+        time,
+        angle,
+        velocity,
+        acceleration,
+        emg,
+        emg_unit,
+        None if torque is None else as_read_only(torque),
+        steps=steps,
+        prepared=True,
+    )
 
 
 #: An angle [rad] or torque [Nm] that stays within this range never changes.

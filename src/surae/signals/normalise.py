@@ -21,7 +21,8 @@ from surae.signals.inputs import EmgReference, ModelInputs
 AVERAGED_S = 0.25
 
 #: How long a muscle rests at least [s], and largest part of an effort that is taken for its rest.
-_QUIET_S, _QUIET_PART = 1.0, 0.02
+_QUIET_S = 1.0
+_QUIET_PART = 0.02
 #: EMG shows an effort where its strongest moments are so many times its weakest.
 _EFFORT = 2.0
 #: Cut-off [Hz] of what effort is smoothed by (-3 dB).
@@ -112,7 +113,8 @@ def normalised(recording: ModelInputs, reference: EmgReference | None) -> ModelI
         f"EMG normalised: divided by {_OF[reference.kind]} (of {count}, averaged over "
         f"{AVERAGED_S:g} s): {', '.join(levels)}."
     )
-    emg, steps = read_only(recording.emg / factors), (*recording.steps, step)
+    emg = read_only(recording.emg / factors)
+    steps = (*recording.steps, step)
     return replace(recording, emg=emg, emg_unit="1", emg_reference=reference, steps=steps)
 
 

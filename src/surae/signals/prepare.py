@@ -173,7 +173,8 @@ _Signals = tuple[float, FloatArray, dict[str, FloatArray], list[str]]
 
 def _as_they_are(recording: Recording) -> _Signals:
     """Signals that need no preparation."""
-    name, channels = recording.where, recording.signals
+    name = recording.where
+    channels = recording.signals
     angle = channels["angle"]
     timings = {role: timing(channel, name) for role, channel in channels.items()}
     stamps = timings["angle"]
@@ -225,9 +226,13 @@ def _chain(recording: Recording, settings: Preparation) -> _Signals:
         for role in mechanical:
             source = sources[role]
             values = zero_phase(
-                "bessel", source.values, source.axis.rate_hz, settings.bessel_hz,
-                settings.bessel_order, where=source.where,
-            )  # fmt: skip
+                "bessel",
+                source.values,
+                source.axis.rate_hz,
+                settings.bessel_hz,
+                settings.bessel_order,
+                where=source.where,
+            )
             filtered[role] = source.replaced(values)
         which = " and ".join(mechanical).replace("_", " ").capitalize()
         how = {"order": settings.bessel_order, "hz": settings.bessel_hz}
@@ -248,7 +253,8 @@ def _chain(recording: Recording, settings: Preparation) -> _Signals:
 
 def _jitter_step(role: str, source: Uniform) -> str:
     """What was made of time stamps that are not uniform; empty where they are."""
-    stamps, hz = source.timing, source.timing.axis.rate_hz
+    stamps = source.timing
+    hz = source.timing.axis.rate_hz
     if stamps.uniform and stamps.jitter_s * hz <= UNIFORM_STEPS:
         return ""
     code = "made/rounded" if stamps.uniform else "made/jitter"
@@ -336,7 +342,8 @@ def _lost(recording: Recording, settings: Preparation) -> float:
 
 def refuse_not_raw(channel: Channel, source: Uniform, settings: Preparation) -> None:
     """Raise InputError where raw EMG is an envelope, or too slow for the high-pass filter."""
-    lowest, highest = float(channel.values.min()), float(channel.values.max())
+    lowest = float(channel.values.min())
+    highest = float(channel.values.max())
     if lowest >= 0.0 and highest > lowest:
         # On a constant offset, which the filter takes away, raw EMG has no negative sample either.
         sentence = contradiction(channel.role, look_of(channel.time, channel.values), "raw")
@@ -355,7 +362,8 @@ def refuse_not_raw(channel: Channel, source: Uniform, settings: Preparation) -> 
 def refuse_negative(channel: Channel, where: str, declared: str) -> None:
     """Refuse an envelope that is negative by more than a tenth of its maximum."""
     at = int(np.argmin(channel.values))
-    lowest, highest = float(channel.values[at]), float(channel.values.max())
+    lowest = float(channel.values[at])
+    highest = float(channel.values.max())
     if lowest < -NEGATIVE_FRACTION * max(highest, 0.0):
         sentence = contradiction(channel.role, look_of(channel.time, channel.values), declared)
         if sentence:

@@ -10,7 +10,8 @@ import numpy as np
 from surae.base.units import FloatArray
 
 #: Time [s] over which the size of raw EMG is averaged, and up to which it is correlated.
-_SIZE_S, _CORRELATED_S = 0.25, 0.1
+_SIZE_S = 0.25
+_CORRELATED_S = 0.1
 #: Rate [Hz] at which EMG is sampled whole, for which weights are meant: that of virtual legs.
 _WHOLE_HZ = 1024.0
 

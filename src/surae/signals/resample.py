@@ -148,7 +148,8 @@ def derivatives(
         )
     # Both stencils sum to zero, but only to rounding: without its offset the angle loses no digits.
     centred = angle - angle[0]
-    velocity, acceleration = np.empty(n), np.empty(n)
+    velocity = np.empty(n)
+    acceleration = np.empty(n)
     outs = zip((velocity, acceleration), _stencils(), (-1.0, 1.0), strict=True)
     for out, (centre, start), sign in outs:
         out[HALF_WIDTH : n - HALF_WIDTH] = np.convolve(centred, centre[::-1], "valid")
@@ -180,11 +181,13 @@ def _weights(nodes: FloatArray) -> FloatArray:
     orders = np.arange(1.0, 3.0)
     scale = 1.0
     for i in range(1, len(nodes)):
-        previous, scale_before = weights.copy(), scale
+        previous = weights.copy()
+        scale_before = scale
         gaps = nodes[i] - nodes[:i]
         scale = float(np.prod(gaps))
         ratio = scale_before / scale
-        last, at = previous[:, i - 1], nodes[i - 1]
+        last = previous[:, i - 1]
+        at = nodes[i - 1]
         weights[1:, i] = ratio * (orders * last[:-1] - at * last[1:])
         weights[0, i] = -ratio * at * last[0]
         weights[1:, :i] = (nodes[i] * previous[1:, :i] - orders[:, None] * previous[:-1, :i]) / gaps

@@ -17,11 +17,15 @@ from surae.signals.inputs import ModelInputs
 
 #: Part of its largest envelope from which a muscle contracts, and below which the others have to
 #: stay; the shortest contraction, and what of it is left out at both ends [s].
-_WORKS, _OTHERS, _SHORTEST, _RISE = 0.5, 0.5, 0.8, 0.3
+_WORKS = 0.5
+_OTHERS = 0.5
+_SHORTEST = 0.8
+_RISE = 0.3
 #: Contractions of a muscle from which its help is told from its crosstalk.
 _FEWEST = 2
 #: Of a ratio: what an envelope's noise leaves, and the part of H that is not known.
-_NOISE, _UNSURE = 0.006, 0.5
+_NOISE = 0.006
+_UNSURE = 0.5
 #: Quantile that is EMG at rest.
 _REST = 0.05
 
@@ -81,7 +85,8 @@ def crosstalk(inputs: ModelInputs, prior: tuple[float, float]) -> Ratios:
         room = max(most - apart[i, j], 0.0)
         middle = own[i] / own[j] * (float(each[0]) - room / 2.0)
         spread = own[i] / own[j] * (room + _UNSURE * most) / np.sqrt(12.0)
-        precise, before = np.hypot(_NOISE, spread) ** -2.0, sd**-2.0
+        precise = np.hypot(_NOISE, spread) ** -2.0
+        before = sd**-2.0
         together = float(precise + before)
         known[i, j] = (max(float(precise * middle + before * mean), 0.0) / together, together**-0.5)
     return known

@@ -35,32 +35,43 @@ class Preparation(Request):
     """
 
     rate_hz: float = setting(
-        256.0, "Highest sampling rate of the model inputs [Hz]; a slower recording keeps its own "
-        "rate.", above=0.0, label=N_("Highest rate [Hz]"),
-    )  # fmt: skip
+        256.0,
+        "Highest sampling rate of the model inputs [Hz]; a slower recording keeps its own rate.",
+        above=0.0,
+        label=N_("Highest rate [Hz]"),
+    )
     emg_highpass_hz: float | None = setting(
-        41.0, "Butterworth high-pass of raw EMG before it is rectified [Hz]; None: no high-pass.",
-        above=0.0, label=N_("EMG high-pass [Hz]"),
-    )  # fmt: skip
+        41.0,
+        "Butterworth high-pass of raw EMG before it is rectified [Hz]; None: no high-pass.",
+        above=0.0,
+        label=N_("EMG high-pass [Hz]"),
+    )
     emg_highpass_order: int = setting(
         3, "Its order.", least=1, most=MAXIMUM_ORDER, label=N_("EMG high-pass: order")
     )
     emg_lowpass_hz: float | None = setting(
-        None, "Butterworth low-pass of rectified EMG [Hz]; None: only the anti-aliasing filter.",
-        above=0.0, label=N_("EMG low-pass [Hz]"),
-    )  # fmt: skip
+        None,
+        "Butterworth low-pass of rectified EMG [Hz]; None: only the anti-aliasing filter.",
+        above=0.0,
+        label=N_("EMG low-pass [Hz]"),
+    )
     emg_lowpass_order: int = setting(
         2, "Its order.", least=1, most=MAXIMUM_ORDER, label=N_("EMG low-pass: order")
     )
     bessel_hz: float | None = setting(
-        20.0, "Bessel low-pass of angle and torque [Hz]; None: only the anti-aliasing filter.",
-        above=0.0, label=N_("Angle and torque: low-pass [Hz]"),
-    )  # fmt: skip
+        20.0,
+        "Bessel low-pass of angle and torque [Hz]; None: only the anti-aliasing filter.",
+        above=0.0,
+        label=N_("Angle and torque: low-pass [Hz]"),
+    )
     bessel_order: int = setting(
-        4, "Its order. The thesis gives none; 4 is the usual order of instrument Bessel filters, "
+        4,
+        "Its order. The thesis gives none; 4 is the usual order of instrument Bessel filters, "
         "and a higher one hardly changes the pass band: all of them approach the same Gaussian.",
-        least=1, most=MAXIMUM_ORDER, label=N_("Angle and torque: order"),
-    )  # fmt: skip
+        least=1,
+        most=MAXIMUM_ORDER,
+        label=N_("Angle and torque: order"),
+    )
 
     def updated(self, mapping: Mapping[str, Any]) -> "Preparation":
         """These settings with those of `mapping` in their place.

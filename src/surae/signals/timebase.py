@@ -21,7 +21,8 @@ SAME_STEPS = 1e-6
 
 #: Significant digits that programs write, and how coarse [steps] stamps of so many may be: a sample
 #: that is missing moves those behind it by a step.
-_DIGITS, _COARSEST_WRITTEN = (6, 7, 8), 0.3
+_DIGITS = (6, 7, 8)
+_COARSEST_WRITTEN = 0.3
 
 #: Stamps rounded more coarsely than this [steps] cannot be told from gaps.
 _COARSEST_STAMPS = 0.6
@@ -63,7 +64,9 @@ def timing(channel: Channel, recording: str) -> Timing:
 
     A gap, a step longer than `GAP_STEPS` median steps, is refused with recording, channel and time.
     """
-    time, n, where = channel.time, len(channel.time), f"{recording}: {channel.role}"
+    time = channel.time
+    n = len(channel.time)
+    where = f"{recording}: {channel.role}"
     check_samples(time, channel.values, where=recording, names=("time", channel.role))
     steps = np.diff(time)
     step = float(time[-1] - time[0]) / (n - 1)

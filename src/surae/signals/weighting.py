@@ -26,7 +26,8 @@ _PEAK = 95.0
 #: A muscle whose EMG begins above this part of what it reaches is active when a recording begins.
 #: What its EMG was before is not recorded: nothing counts for so long [s], in which a critically
 #: damped activation of 1.3 Hz forgets all but 2 %.
-_ACTIVE, _SETTLING_S = 0.1, 0.7
+_ACTIVE = 0.1
+_SETTLING_S = 0.7
 #: A recording that is shorter than so many times that counts whole.
 _LONG = 4.0
 
@@ -49,14 +50,18 @@ class Weighting(Request):
         type="tuple of (float, float, float)",
     )
     peaks: float = setting(
-        0.0, "A sample at full activity counts 1 + `peaks` times as much as one at rest; 0: all "
-        "alike.", least=0.0, label=N_("Weight of peaks"),
-    )  # fmt: skip
+        0.0,
+        "A sample at full activity counts 1 + `peaks` times as much as one at rest; 0: all alike.",
+        least=0.0,
+        label=N_("Weight of peaks"),
+    )
     activity: str = setting(
-        "torque", "What a peak is one of: the size of the measured torque, or the mean of the EMG "
-        "envelopes.", choices=ACTIVITIES, label=N_("Peaks are those of"),
+        "torque",
+        "What a peak is one of: the size of the measured torque, or the mean of the EMG envelopes.",
+        choices=ACTIVITIES,
+        label=N_("Peaks are those of"),
         words={"torque": N_("torque"), "emg": N_("EMG")},
-    )  # fmt: skip
+    )
 
     def __post_init__(self) -> None:
         """Refuse what has no meaning."""
@@ -108,7 +113,8 @@ def settled(inputs: Sequence[ModelInputs]) -> tuple[ModelInputs, ...]:
 
     An activation follows EMG from before the recording; a model has to assume some.
     """
-    rest, level = np.array(quiet_levels(inputs)), np.array(emg_levels(inputs))
+    rest = np.array(quiet_levels(inputs))
+    level = np.array(emg_levels(inputs))
     begins = rest + _ACTIVE * (level - rest)
     begins[np.array(steady_emg(inputs)) | (level <= 0.0)] = np.inf
     return tuple(_settled(recording, begins) for recording in inputs)
@@ -116,7 +122,8 @@ def settled(inputs: Sequence[ModelInputs]) -> tuple[ModelInputs, ...]:
 
 def _settled(recording: ModelInputs, begins: FloatArray) -> ModelInputs:
     """One recording, where EMG at first above these levels is an effort."""
-    start, seconds = float(recording.time[0]), recording.n / recording.rate_hz
+    start = float(recording.time[0])
+    seconds = recording.n / recording.rate_hz
     first = smooth_effort(recording.emg.T, recording.rate_hz)[:, 0]
     if not (first > begins).any() or seconds < _LONG * _SETTLING_S:
         return recording

@@ -15,9 +15,11 @@ from surae.signals.timebase import GAP_STEPS
 
 #: A recording that lasts longer [s] is thinned to so many windows of that length [s]: for a family
 #: of models, whose fit takes a hundred times as long as a named one's, and for one model.
-FAMILY, ONE = (300.0, 3, 20.0), (900.0, 10, 60.0)
+FAMILY = (300.0, 3, 20.0)
+ONE = (900.0, 10, 60.0)
 #: Where samples are missing for so long [s], a recording is in parts; shorter ones tell nothing.
-_GAP, _SHORTEST = 0.05, 3.0
+_GAP = 0.05
+_SHORTEST = 3.0
 #: Windows are compared by pieces of this length [s].
 _PIECE = 5.0
 
@@ -79,7 +81,8 @@ def _begins(recording: Recording, count: int, seconds: float) -> list[float]:
     """Where the windows begin [s]."""
     channels = recording.channels
     angle = channels["angle"]
-    first, last = float(angle.time[0]), float(angle.time[-1])
+    first = float(angle.time[0])
+    last = float(angle.time[-1])
     edges = np.arange(first, last, _PIECE)
     score = _spread(angle.time, angle.values, edges)
     for muscle in MUSCLES:
@@ -100,6 +103,7 @@ def _spread(time: FloatArray, values: FloatArray, edges: FloatArray) -> FloatArr
     at = np.minimum(np.searchsorted(time, edges), len(time) - 1)
     counts = np.maximum(np.diff([*at, len(time)]), 1)
     centred = values - float(values.mean())
-    sums, squares = np.add.reduceat(centred, at), np.add.reduceat(centred**2, at)
+    sums = np.add.reduceat(centred, at)
+    squares = np.add.reduceat(centred**2, at)
     variance: FloatArray = np.maximum(squares / counts - (sums / counts) ** 2, 0.0)
     return variance / (float(variance.max()) or 1.0)

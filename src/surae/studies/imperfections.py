@@ -37,48 +37,71 @@ class Imperfections(Request):
     """
 
     torque_noise: float = setting(
-        0.0, "Standard deviation of the torque's coloured noise [Nm].", least=0.0,
-    )  # fmt: skip
+        0.0,
+        "Standard deviation of the torque's coloured noise [Nm].",
+        least=0.0,
+    )
     torque_noise_time: float = setting(
-        0.1, "Its correlation time T [s]: a first-order autoregressive process, of correlation "
-        "exp(−τ/T) at the lag τ. 0 for white noise.", least=0.0,
-    )  # fmt: skip
+        0.1,
+        "Its correlation time T [s]: a first-order autoregressive process, of correlation "
+        "exp(−τ/T) at the lag τ. 0 for white noise.",
+        least=0.0,
+    )
     crosstalk: float = setting(
-        0.0, "Part of the EMG of every other muscle that an electrode picks up, 0…1. Above the "
+        0.0,
+        "Part of the EMG of every other muscle that an electrode picks up, 0…1. Above the "
         "leg, 0.03 to 0.10 of the rectified EMG of a neighbour (De Luca and Merletti 1988, "
-        "*Electroencephalogr. Clin. Neurophysiol.* 69).", least=0.0, most=0.99,
-    )  # fmt: skip
+        "*Electroencephalogr. Clin. Neurophysiol.* 69).",
+        least=0.0,
+        most=0.99,
+    )
     axis_forward: float = setting(
-        0.0, "How far the ankle's axis lies from that of the device towards the toes, along the "
+        0.0,
+        "How far the ankle's axis lies from that of the device towards the toes, along the "
         "sole [m]. The foot then turns by another angle than the plate, see "
         "`surae.studies.leg.misaligned`. Torques so measured are 5 to 9 % off (Arampatzis et al. "
-        "2007, *J. Biomech.* 40), as by about 10 mm.", least=-0.05, most=0.05,
-    )  # fmt: skip
+        "2007, *J. Biomech.* 40), as by about 10 mm.",
+        least=-0.05,
+        most=0.05,
+    )
     axis_up: float = setting(
-        0.0, "And how far away from the sole [m].", least=-0.05, most=0.05,
-    )  # fmt: skip
+        0.0,
+        "And how far away from the sole [m].",
+        least=-0.05,
+        most=0.05,
+    )
     knee_motion: float = setting(
-        0.0, "Standard deviation of the knee's unmeasured, slow flexion [rad], which shortens "
-        "the gastrocnemius: see `surae.studies.leg.knee_torque`.", least=0.0, most=0.5,
-    )  # fmt: skip
+        0.0,
+        "Standard deviation of the knee's unmeasured, slow flexion [rad], which shortens "
+        "the gastrocnemius: see `surae.studies.leg.knee_torque`.",
+        least=0.0,
+        most=0.5,
+    )
     effort_variation: float = setting(
-        0.0, "Coefficient of variation of the effort: what each muscle does is the target times "
+        0.0,
+        "Coefficient of variation of the effort: what each muscle does is the target times "
         "a gain of mean 1, log-normal, that wanders within seconds and differs from trial to "
-        "trial.", least=0.0,
-    )  # fmt: skip
+        "trial.",
+        least=0.0,
+    )
     reflex_gain: float = setting(
-        0.0, "Stretch reflex of the triceps: effort for each l0/s of stretch velocity above "
+        0.0,
+        "Stretch reflex of the triceps: effort for each l0/s of stretch velocity above "
         "a threshold, 42 ms later (`surae.studies.leg.reflex`) [1/(l0/s)]. It drives torque and "
-        "EMG alike.", least=0.0,
-    )  # fmt: skip
+        "EMG alike.",
+        least=0.0,
+    )
 
     @property
     def steps(self) -> tuple[str, ...]:
         """One plain sentence for each disturbance that is on."""
         units = {
-            "torque_noise": " Nm", "axis_forward": " m", "axis_up": " m", "knee_motion": " rad",
+            "torque_noise": " Nm",
+            "axis_forward": " m",
+            "axis_up": " m",
+            "knee_motion": " rad",
             "reflex_gain": " of full effort per l0/s",
-        }  # fmt: skip
+        }
         sizes = (each for each, _ in settings_of(type(self)) if each.default == 0.0)
         return tuple(
             f"{each.name.replace('_', ' ').capitalize()}: {size:g}{units.get(each.name, '')}."

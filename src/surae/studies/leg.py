@@ -26,7 +26,9 @@ KNEE_ARM = 0.016
 KNEE_TISSUE = 0.5
 #: Delay of the stretch reflex [s]: 42 ± 3 ms in the soleus (Sinkjær et al. 1996, *J. Neurophysiol.*
 #: 76); its threshold [l0/s], about 15°/s at the ankle; and the largest effort that it reaches.
-REFLEX_DELAY, REFLEX_THRESHOLD, REFLEX_LIMIT = 0.042, 0.1, 0.5
+REFLEX_DELAY = 0.042
+REFLEX_THRESHOLD = 0.1
+REFLEX_LIMIT = 0.5
 #: Seconds between the independent values of the knee's angle, and of the gains of the effort.
 KNEE_PERIOD = 2.0
 EFFORT_PERIOD = 1.0
@@ -47,7 +49,8 @@ class VirtualTrial:
     @property
     def name(self) -> str:
         """What it is called."""
-        subject, settings = self.subject, self.trajectory.settings
+        subject = self.subject
+        settings = self.trajectory.settings
         return (
             f"virtual subject {subject.seed} ({subject.population}), {settings.profile}, "
             f"{settings.task}"
@@ -55,9 +58,12 @@ class VirtualTrial:
 
     def simulated(self, model: str, options: ModelOptions) -> tuple[FloatArray, FloatArray]:
         """EMG envelopes [V], shape (n, 4), and torque [Nm], (n,), without the sensors' faults."""
-        spec, trajectory, of = get_model(model), self.trajectory, self.imperfections
+        spec = get_model(model)
+        trajectory = self.trajectory
+        of = self.imperfections
         ankle, turn = misaligned(trajectory.motion, of.axis_forward, of.axis_up)
-        done, variation = trajectory.effort, of.effort_variation
+        done = trajectory.effort
+        variation = of.effort_variation
         if variation > 0.0:
             done = done * self.gains("effort", variation, len(MUSCLES))
         if of.reflex_gain > 0.0:
@@ -67,9 +73,12 @@ class VirtualTrial:
             done[:, _HEADS] += reflex(trajectory.time, stretch, of.reflex_gain)[:, None]
         envelopes = EMG_REST + (EMG_FULL - EMG_REST) * done
         inputs = inputs_as_given(
-            self.name, trajectory.settings.rate_hz, trajectory.time, ankle,
+            self.name,
+            trajectory.settings.rate_hz,
+            trajectory.time,
+            ankle,
             of.drive(envelopes, self.gains),
-        )  # fmt: skip
+        )
         values = spec.vector(self.subject.truth(model, options), options)
         torque = spec.simulator(inputs, options).torque(values)
         if of.knee_motion > 0.0:
@@ -85,13 +94,17 @@ class VirtualTrial:
 
     def torque_noise(self) -> FloatArray | float:
         """Noise of the torque's sensor [Nm]."""
-        of, settings = self.imperfections, self.trajectory.settings
+        of = self.imperfections
+        settings = self.trajectory.settings
         if of.torque_noise == 0.0:
             return 0.0
         return coloured_noise(
-            len(self.trajectory.time), settings.rate_hz, of.torque_noise, of.torque_noise_time,
+            len(self.trajectory.time),
+            settings.rate_hz,
+            of.torque_noise,
+            of.torque_noise_time,
             stream(self.subject, "torque", self.seed),
-        )  # fmt: skip
+        )
 
     def _wandering(self, what: str, columns: int, period: float) -> FloatArray:
         return wandering(

@@ -23,10 +23,15 @@ _IDEAL = Imperfections()
 
 
 def virtual_trial(
-    subject: VirtualSubject, trajectory: Trajectory, *, model: str = "muscle",
-    options: ModelOptions | None = None, noise: float = 0.05, seed: int = 0,
+    subject: VirtualSubject,
+    trajectory: Trajectory,
+    *,
+    model: str = "muscle",
+    options: ModelOptions | None = None,
+    noise: float = 0.05,
+    seed: int = 0,
     imperfections: Imperfections = _IDEAL,
-) -> ModelInputs:  # fmt: skip
+) -> ModelInputs:
     """Simulate a trial of a subject and add the thesis's noise (2.5.3).
 
     The torque is simulated from the true EMG; then white noise is added to the four EMG channels
@@ -67,20 +72,29 @@ def virtual_trial(
     emg = _noisy(mixed_envelopes(envelopes, imperfections.crosstalk), noise, rng)
     torque = _noisy(torque, noise, rng) + trial.torque_noise()
     return inputs_as_given(
-        trial.name, trajectory.settings.rate_hz, trajectory.time, trajectory.motion, emg,
+        trial.name,
+        trajectory.settings.rate_hz,
+        trajectory.time,
+        trajectory.motion,
+        emg,
         torque=torque,
         steps=(
             f"Simulated with model {model!r}; white noise of {100 * noise:g} % of each signal's "
             "mean magnitude added to EMG and torque.",
             *imperfections.steps,
         ),
-    )  # fmt: skip
+    )
 
 
 def virtual_recording(
-    subject: VirtualSubject, trajectory: Trajectory, *, model: str = "muscle",
-    options: ModelOptions | None = None, seed: int = 0, imperfections: Imperfections = _IDEAL,
-) -> Recording:  # fmt: skip
+    subject: VirtualSubject,
+    trajectory: Trajectory,
+    *,
+    model: str = "muscle",
+    options: ModelOptions | None = None,
+    seed: int = 0,
+    imperfections: Imperfections = _IDEAL,
+) -> Recording:
     """A trial of a subject as it would be recorded, with raw EMG, for the whole chain of signals.
 
     Angle, torque and raw EMG (`surae.studies.imperfections.raw_emg`) at the trajectory's rate, for
@@ -117,9 +131,13 @@ def virtual_recording(
     envelopes, torque = trial.simulated(model, options or ModelOptions())
     emg = raw_emg(envelopes, rate_hz, stream(subject, "raw EMG", seed))
     return Recording.from_arrays(
-        trajectory.time, trajectory.angle, torque + trial.torque_noise(),
-        emg @ mixing(imperfections.crosstalk).T, name=trial.name, emg_kind="raw",
-    )  # fmt: skip
+        trajectory.time,
+        trajectory.angle,
+        torque + trial.torque_noise(),
+        emg @ mixing(imperfections.crosstalk).T,
+        name=trial.name,
+        emg_kind="raw",
+    )
 
 
 def _noisy(signal: FloatArray, noise: float, rng: np.random.Generator) -> FloatArray:

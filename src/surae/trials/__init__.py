@@ -5,6 +5,16 @@ from surae.trials.sorting import EFFORTS, Hold, Reading, Trial, sorted_trials, t
 from surae.trials.trial_set import Crossed, TrialSet, common_errors, prepared_for, reading_of
 
 __all__ = [
-    "EFFORTS", "Crossed", "Hold", "Reading", "Trial", "TrialSet", "common_errors", "prepared_for",
-    "reading_of", "sorted_trials", "tell_together", "trial_files",
-]  # fmt: skip
+    "EFFORTS",
+    "Crossed",
+    "Hold",
+    "Reading",
+    "Trial",
+    "TrialSet",
+    "common_errors",
+    "prepared_for",
+    "reading_of",
+    "sorted_trials",
+    "tell_together",
+    "trial_files",
+]

@@ -23,8 +23,12 @@ from surae.trials.sorting import Trial
 #: Why there is no joint fit where trials have errors.
 TOO_FEW = "trials with an error are not fitted together, and fewer than two are left"
 #: Names of what is in the folder.
-INDEX, JOINT, FITS, TRASH = "session.json", "joint.json", "fits", "trash"
-REPORT, TABLE = "report.html", "table.csv"
+INDEX = "session.json"
+JOINT = "joint.json"
+FITS = "fits"
+TRASH = "trash"
+REPORT = "report.html"
+TABLE = "table.csv"
 _SUMMARY = (INDEX, REPORT, TABLE)
 #: What a run may move: fits of its own folder, nothing that a damaged index could name.
 _FIT = re.compile(rf"{FITS}/[\w.+-]+\.json|{re.escape(JOINT)}")
@@ -82,7 +86,8 @@ def claimed(folder: PathLike, trials: Sequence[Trial]) -> Path:
 def set_aside(folder: PathLike, present: Iterable[str]) -> None:
     """Move fits of earlier runs that are not of this one to the folder's trash."""
     for name in sorted(results_in(folder) - set(present)):
-        path, trash = Path(folder) / name, Path(folder) / TRASH
+        path = Path(folder) / name
+        trash = Path(folder) / TRASH
         if path.is_file():
             trash.mkdir(exist_ok=True)
             numbers = itertools.count(1)
@@ -149,9 +154,10 @@ def _refuse_own(root: Path, trials: Iterable[Trial]) -> None:
 
 
 def trial_files(
-    source: PathLike | Sequence[PathLike], description: Description | None = None,
+    source: PathLike | Sequence[PathLike],
+    description: Description | None = None,
     aside: Collection[Path] = (),
-) -> dict[str, Path]:  # fmt: skip
+) -> dict[str, Path]:
     """The file of every trial by the trial's name, in the order of names.
 
     `source` is a folder, or the files themselves; the ``{trial}`` of a description says which files

@@ -53,7 +53,8 @@ def nerve_of(trials: Sequence[Trial]) -> Nerve | None:
     """What stretches at two speeds and perturbations say; None where nothing tells of reflexes."""
     tell = plugins("sessions", FunctionType).get("nerve")
     perturbed = [t.recording for t in trials if t.use == "nerve" and t.recording is not None]
-    moved, speeds = list[Recording](), list[float]()
+    moved = list[Recording]()
+    speeds = list[float]()
     for trial in trials:
         if trial.use == "fit" and trial.recording is not None:
             own = relaxed_speeds(signals_of(trial.recording))

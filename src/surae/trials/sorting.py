@@ -38,7 +38,8 @@ _SILENT = 2.5
 _HARDER = 1.25
 #: Holds at so many angles, each so far [rad] from the next, are an isometric set: a parabola's
 #: three, and twice what a held foot moves.
-_ANGLES, _APART = 3, 2.0 * STILL
+_ANGLES = 3
+_APART = 2.0 * STILL
 #: The problem of a trial whose description says use = false.
 LEFT_OUT = "left out by the description"
 _MAXIMAL_WORDS = {"mvc", "mvic", "mvcs", "max", "maximal", "maximum"}
@@ -115,7 +116,8 @@ def sorted_trials(
     trials: list[Trial] = []
     steps: dict[str, tuple[str, str]] = {}
     for reading in readings:
-        trial, stated = _unsorted(reading), given.get(reading.name) or reading.description.effort
+        trial = _unsorted(reading)
+        stated = given.get(reading.name) or reading.description.effort
         if not trial.problem and reading.recording is not None:
             signals = signals_of(reading.recording)
             trial = _moved(trial, signals)
@@ -139,9 +141,14 @@ def sorted_trials(
         step = steps.get(trial.name) or _effort(trial, levels, moving)
         effort, why = (stated, "as described") if stated else step
         use = _USES.get(effort) or (
-            "nerve" if trial.why == PERTURBED
-            else "fit" if trial.moves else "reference" if effort == "maximal" else "hold"
-        )  # fmt: skip
+            "nerve"
+            if trial.why == PERTURBED
+            else "fit"
+            if trial.moves
+            else "reference"
+            if effort == "maximal"
+            else "hold"
+        )
         why = f"{trial.why}; {why}"
         sorted_.append(replace(trial, effort=effort, use=use, why=why, stated=stated is not None))
     return tuple(_isometric(sorted_))
@@ -179,15 +186,24 @@ def _isometric(trials: list[Trial]) -> list[Trial]:
 
 def _unsorted(reading: Reading) -> Trial:
     """A trial of which nothing is decided yet."""
-    problem, recording = reading.problem, reading.recording
+    problem = reading.problem
+    recording = reading.recording
     if not problem and recording is not None:
         no_torque = "" if "torque" in recording.channels else "there is no torque"
         problem = no_torque or unfit(recording) or ""
         problem = problem if reading.description.use else LEFT_OUT
     return Trial(
-        reading.name, reading.path, reading.recording, problem, "unknown", False, "", "none",
-        condition=reading.description.condition, notes=reading.description.notes,
-    )  # fmt: skip
+        reading.name,
+        reading.path,
+        reading.recording,
+        problem,
+        "unknown",
+        False,
+        "",
+        "none",
+        condition=reading.description.condition,
+        notes=reading.description.notes,
+    )
 
 
 def _moved(trial: Trial, signals: Signals) -> Trial:
@@ -226,7 +242,8 @@ def _effort(
     shares: dict[str, float] = {}
     for muscle in (m for m in MUSCLES if m in own):
         every = [levels[name][muscle] for name in levels if muscle in levels[name]]
-        rest, top = min(level.rest for level in every), max(level.top for level in every)
+        rest = min(level.rest for level in every)
+        top = max(level.top for level in every)
         if top >= _SILENT * rest:
             shares[muscle] = (own[muscle].top - rest) / (top - rest)
             harder = [levels[name][muscle].top for name in moving if muscle in levels[name]]

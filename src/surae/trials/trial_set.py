@@ -45,8 +45,11 @@ class TrialSet:
 
     def __repr__(self) -> str:
         count = f"{len(self.trials)} trial{'' if len(self.trials) == 1 else 's'}"
-        about = [f"{key} {value}" for key in ("side", "date", "condition")
-                 if (value := getattr(self, key))]  # fmt: skip
+        about = [
+            f"{key} {value}"
+            for key in ("side", "date", "condition")
+            if (value := getattr(self, key))
+        ]
         lines = [f"Session {self.name!r}: {count}" + (f" ({', '.join(about)})" if about else "")]
         for trial in self.trials:
             described = trial.problem or f"{trial.effort}, {trial.why}"
@@ -55,7 +58,8 @@ class TrialSet:
 
     def with_knowledge(self, settings: FitSettings) -> FitSettings:
         """The settings of a fit with what is known of the leg where they do not say it."""
-        known, said = self.knowledge, settings.knowledge
+        known = self.knowledge
+        said = settings.knowledge
         if known is None:
             return settings
         return FitSettings.of(settings, knowledge=said.filled(known) if said else known)
@@ -129,12 +133,14 @@ def reading_of(recording: Recording) -> Reading:
 
 #: Errors of which a sentence tells more than their code.
 _SAID = {
-    "angle-sign": N_("The angle is reversed"), "torque-sign": N_("The torque is reversed"),
+    "angle-sign": N_("The angle is reversed"),
+    "torque-sign": N_("The torque is reversed"),
     "angle-units": N_("The angle’s unit or zero is wrong"),
-    "torque-unit": N_("The torque’s unit is wrong"), "emg-unit": N_("The EMG’s unit is wrong"),
+    "torque-unit": N_("The torque’s unit is wrong"),
+    "emg-unit": N_("The EMG’s unit is wrong"),
     "electrodes-swapped": N_("Two electrodes are exchanged"),
     "emg-torque-lag": N_("EMG and torque are out of step"),
-}  # fmt: skip
+}
 _IN_TRIALS = N_("{what} in {n} of {whole} trials; correct it once for all of them.")
 
 

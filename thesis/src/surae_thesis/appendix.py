@@ -39,7 +39,8 @@ class FittedSpring:
 
     def pairs(self) -> dict[tuple[str, str], float]:
         """Correlation of every pair."""
-        names, matrix = self.known.names, self.known.correlation
+        names = self.known.names
+        matrix = self.known.correlation
         return {
             (a, b): float(matrix[i, j])
             for i, a in enumerate(names)
@@ -96,7 +97,8 @@ class Numbers:
 
 def fitted(seed: int) -> Numbers:
     """Fit all of them."""
-    motion, alike = protocol_motion(), np.exp(np.linspace(0.0, 2.0, 512))
+    motion = protocol_motion()
+    alike = np.exp(np.linspace(0.0, 2.0, 512))
     return Numbers(
         fit_spring(linear_force, motion, seed),
         fit_spring(offset_force, motion, seed),
@@ -132,7 +134,7 @@ def run(context: Context) -> Result:
             "in print; a product b·(x'·u) would leave b and u inseparable, while the thesis "
             "estimates both.",
         ),
-    )  # fmt: skip
+    )
 
 
 def linear(n: Numbers, small: float) -> Ruling:

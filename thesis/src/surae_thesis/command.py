@@ -22,8 +22,14 @@ if TYPE_CHECKING:
 )
 @click.option("--only", multiple=True, metavar="NAME", help="A section; may be given repeatedly.")
 @click.option("--quick", is_flag=True, help="Fewer fits of everything: minutes.")
-@click.option("--seed", type=click.IntRange(0, 999_999_999), default=1, show_default=True,
-              metavar="N", help="Of everything that is random.")  # fmt: skip
+@click.option(
+    "--seed",
+    type=click.IntRange(0, 999_999_999),
+    default=1,
+    show_default=True,
+    metavar="N",
+    help="Of everything that is random.",
+)
 @workers_option("Processes", many="one for each core")
 @click.option("--markdown", metavar="FILE.md", help="Write the verdicts there too.")
 def command(

@@ -50,7 +50,8 @@ def coverage(
     InputError
         The arrays differ in length, are too short or aren't finite.
     """
-    length, velocity = np.asarray(length, dtype=float), np.asarray(velocity, dtype=float)
+    length = np.asarray(length, dtype=float)
+    velocity = np.asarray(velocity, dtype=float)
     if length.ndim != 1 or length.shape != velocity.shape or len(length) < 2:
         raise InputError(
             f"coverage: length {length.shape} and velocity {velocity.shape} must be "
@@ -108,5 +109,6 @@ class TricepsPath:
 def triceps_path(trajectory: Trajectory, *, l0: float = L0_TRI) -> TricepsPath:
     """Length and velocity of the triceps by equation (9); `l0` is its optimal length [m]."""
     arm = 0.0480 - 0.0104 * trajectory.angle  # equation (4) [m]
-    length, velocity = (0.118 - 1.67 * arm) / l0, 1.67 * 0.0104 * trajectory.velocity / l0
+    length = (0.118 - 1.67 * arm) / l0
+    velocity = 1.67 * 0.0104 * trajectory.velocity / l0
     return TricepsPath(l0, read_only(length), read_only(velocity), coverage(length, velocity))

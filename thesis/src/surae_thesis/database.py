@@ -68,8 +68,9 @@ def lock(path: Path) -> sqlite3.Connection | None:
     """The lock of the one who writes, held until closed or the process ends; None if taken."""
     refuse_links(path)
     # SQLite's own lock on an empty file: the system lets go of it, whatever ends the process
-    held = sqlite3.connect(_lock_of(path), timeout=_LOOKED_AT, isolation_level=None,
-                           check_same_thread=False)  # fmt: skip
+    held = sqlite3.connect(
+        _lock_of(path), timeout=_LOOKED_AT, isolation_level=None, check_same_thread=False
+    )
     try:
         held.execute("BEGIN EXCLUSIVE")
     except sqlite3.OperationalError as error:
@@ -188,8 +189,13 @@ def _lock_of(path: Path) -> Path:
 
 def connected(path: Path, mode: str, patience: float = _PATIENCE) -> sqlite3.Connection:
     """A connection that trusts nothing in the file: no function runs because its schema says so."""
-    file = sqlite3.connect(f"{path.absolute().as_uri()}?mode={mode}", uri=True, timeout=patience,
-                           isolation_level=None, check_same_thread=False)  # fmt: skip
+    file = sqlite3.connect(
+        f"{path.absolute().as_uri()}?mode={mode}",
+        uri=True,
+        timeout=patience,
+        isolation_level=None,
+        check_same_thread=False,
+    )
     file.execute("PRAGMA trusted_schema = OFF")
     file.execute("PRAGMA cell_size_check = ON")
     defensive = getattr(sqlite3, "SQLITE_DBCONFIG_DEFENSIVE", None)

@@ -81,7 +81,8 @@ def damped_speed(force: float, active: float, vmax: float, damping: float) -> fl
     float
         x' [m/s], where active·f_v(x') + damping·x' is the force.
     """
-    low, high = -vmax, vmax
+    low = -vmax
+    high = vmax
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
         part = force_velocity(middle, vmax)[0]  # (17)
@@ -94,9 +95,15 @@ def damped_speed(force: float, active: float, vmax: float, damping: float) -> fl
 
 @jit
 def explicit_states(
-    p: FloatArray, strain_length: float, lengths: FloatArray, alphas: FloatArray, factor: float,
-    dt: float, damping: float, states: FloatArray,
-) -> int:  # fmt: skip
+    p: FloatArray,
+    strain_length: float,
+    lengths: FloatArray,
+    alphas: FloatArray,
+    factor: float,
+    dt: float,
+    damping: float,
+    states: FloatArray,
+) -> int:
     """States of a muscle group as the thesis integrates them.
 
     It starts, as the thesis does, with tendon and tissue in equilibrium and no active state.
@@ -118,12 +125,17 @@ def explicit_states(
     int
         0 where the start could not be solved, the only thing that ever is, else −1.
     """
-    k, x0, l0 = p[K], p[X0], p[L0]
+    k = p[K]
+    x0 = p[X0]
+    l0 = p[L0]
     vmax = factor * l0
-    eps0, toe = p[EPS0] * strain_length, p[TOE]
+    eps0 = p[EPS0] * strain_length
+    toe = p[TOE]
     curve = tendon_curve(eps0, toe, p[K_TOE], p[F_MAX])
     step = relaxation_step(p[TAU], p[K_REL], dt)
-    decay, b0, b1 = step[0], step[1], step[2]
+    decay = step[0]
+    b0 = step[1]
+    b1 = step[2]
     dc = p[K_REL] / (1.0 + p[K_REL])
 
     start = (lengths[0], lengths[0], 1.0, 1.0 - dc, 0.0, 0.0, 0.0)

@@ -51,19 +51,26 @@ class ThesisSimulator(MuscleTendonSimulator):
         super().__init__(inputs, options, optional)
 
     def _summed(
-        self, p: FloatArray, columns: Sequence[int], leg: LegMovement,
-        linear: FloatArray | None = None, seen: FloatArray | None = None,
-    ) -> Sums:  # fmt: skip
+        self,
+        p: FloatArray,
+        columns: Sequence[int],
+        leg: LegMovement,
+        linear: FloatArray | None = None,
+        seen: FloatArray | None = None,
+    ) -> Sums:
         """The torque and its derivatives; the drives' response is the implicit scheme's."""
         none = np.zeros(0, dtype=np.int64)
         into = Sums(p[:0], p[:0], none, none)
         if linear is not None:
             into = super()._summed(p, columns, leg, linear, seen)
-        torque, names, values = self.torque(p), list(self._at), p
+        torque = self.torque(p)
+        names = list(self._at)
+        values = p
         jacobian = np.empty((len(columns) + 1, len(torque)))
         for row, j in zip(jacobian, columns, strict=False):
             step = DIFFERENCE * (abs(values[j]) or _SCALES[names[j]])
-            below, above = np.array(values), np.array(values)
+            below = np.array(values)
+            above = np.array(values)
             below[j] -= step
             above[j] += step
             if names[j] in _DELAYS:
@@ -76,9 +83,15 @@ class ThesisSimulator(MuscleTendonSimulator):
     ) -> FloatArray:
         states = np.full((5, len(muscle.length)), np.nan)
         explicit_states(
-            p[COLUMNS[group]], float(self._strain_lengths[group]), muscle.length,
-            active.alpha[-1], self._factor, self._dt, self.damping, states,
-        )  # fmt: skip
+            p[COLUMNS[group]],
+            float(self._strain_lengths[group]),
+            muscle.length,
+            active.alpha[-1],
+            self._factor,
+            self._dt,
+            self.damping,
+            states,
+        )
         return states
 
 

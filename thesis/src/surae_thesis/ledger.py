@@ -79,7 +79,8 @@ class Ledger:
     _NOTHING = "nothing yet"
 
     def __init__(self, path: PathLike, *, write: bool = False) -> None:
-        self._run, self._lock = 0, None
+        self._run = 0
+        self._lock = None
         self._path, self._name = Path(os.path.realpath(path)), shown(path)
         if not write:
             if not self._path.is_file():
@@ -160,7 +161,9 @@ class Ledger:
         self, batches: Generator[Batch], progress: Callable[[int, int], None] | None = None
     ) -> int:
         """Keep results as they come, telling `progress` how many of the plan; how many came."""
-        status, added, how = self.status(), 0, "stopped by an error"
+        status = self.status()
+        added = 0
+        how = "stopped by an error"
         try:
             with closing(batches):
                 if progress is not None:
@@ -233,7 +236,8 @@ class Ledger:
                 "ORDER BY count(*) DESC, failed"
             ).fetchall()
             run = self._row("SELECT started, how, process, host FROM run ORDER BY id DESC LIMIT 1")
-            running, last = None, ""
+            running = None
+            last = ""
             if run and database.is_locked(self._path):
                 (added,) = self._row("SELECT count(*) FROM result WHERE finished >= ?", (run[0],))
                 running = Running(run[2], run[3], added, time.time() - run[0])

@@ -28,7 +28,8 @@ from surae.studies import VirtualSubject, stream, virtual_subject, virtual_trial
 #: Noise, a part of each signal's mean (2.5.3).
 NOISE = 0.05
 #: Sampling rates [Hz]: of the muscle model (2.1), and of the thesis's explicit scheme (4.4).
-RATE_HZ, EXPLICIT_HZ = 256.0, 1000.0
+RATE_HZ = 256.0
+EXPLICIT_HZ = 1000.0
 #: Passive torque of the tibialis at full plantarflexion [Nm]: the axis of Figure 31 reaches −10 Nm,
 #: where `surae.studies` has 1 Nm in health; a patient's muscles are stiffer and shorter (2.5.4).
 _TIBIALIS = {"healthy": (1.0, (3.0, 5.0)), "patient": (0.85, (6.0, 10.0))}
@@ -42,9 +43,12 @@ LEAD = f"heads lead in turn, the others at 0.4 (one fitted number, {_LATER})"
 EARLY = f"active from the first second ({_LATER})"
 SLOW = f"tau_rel of 0.9 s ({_LATER})"
 #: Effort of the heads that do not lead, and the time constant that the thesis does not print [s].
-FOLLOWERS, SLOW_RELAXATION = 0.4, 0.9
+FOLLOWERS = 0.4
+SLOW_RELAXATION = 0.9
 #: Defaults of MATLAB's lsqnonlin: relative step of its forward differences, and tolerances.
-STEP, _TOLERANCE, _ITERATIONS = 1.5e-8, 1e-6, 100
+STEP = 1.5e-8
+_TOLERANCE = 1e-6
+_ITERATIONS = 100
 
 
 def thesis_leg(
@@ -60,9 +64,19 @@ def thesis_leg(
 
 
 def fit_cell(
-    *, seed: int, model: str, profile: str, task: str, amplitude: float, factor: float | None,
-    population: str, subject: int, repeat: int, explicit: bool, reading: str,
-) -> dict[str, Any] | None:  # fmt: skip
+    *,
+    seed: int,
+    model: str,
+    profile: str,
+    task: str,
+    amplitude: float,
+    factor: float | None,
+    population: str,
+    subject: int,
+    repeat: int,
+    explicit: bool,
+    reading: str,
+) -> dict[str, Any] | None:
     """Simulate a trial, fit it with the model that made it, and compare with the truth."""
     leg = thesis_leg(1_000_000 * seed + subject, population)
     if reading == SLOW:
@@ -79,9 +93,13 @@ def fit_cell(
 
 
 def protocol(
-    profile: str, task: str = "part-passive", amplitude: float = 0.2, factor: float | None = 0.5,
-    rate_hz: float = 512.0, device: str = "",
-) -> Protocol:  # fmt: skip
+    profile: str,
+    task: str = "part-passive",
+    amplitude: float = 0.2,
+    factor: float | None = 0.5,
+    rate_hz: float = 512.0,
+    device: str = "",
+) -> Protocol:
     """A profile with the thesis's chirp A·sin(s·t²), for a device without limits or a named one."""
     return Protocol(
         profile=profile,
@@ -95,9 +113,13 @@ def protocol(
 
 @lru_cache(4)
 def motion(
-    profile: str, task: str, amplitude: float, factor: float | None, rate_hz: float,
+    profile: str,
+    task: str,
+    amplitude: float,
+    factor: float | None,
+    rate_hz: float,
     reading: str = "",
-) -> Trajectory:  # fmt: skip
+) -> Trajectory:
     """Motion and effort of a trial; the active task is what follows the passive 11 s (Figure 9).
 
     By reading, each burst of the triceps is of one head alone (`IN_TURN`) or one leads (`LEAD`), or
@@ -150,7 +172,8 @@ def thesis_trial(
 def with_noise(clean: ModelInputs, seed: Sequence[int]) -> tuple[ModelInputs, list[float]]:
     """A trial without noise as `thesis_trial` gives it."""
     assert clean.torque is not None  # a simulation has one
-    rng, mean = np.random.default_rng(seed), float(clean.torque.mean())
+    rng = np.random.default_rng(seed)
+    mean = float(clean.torque.mean())
     emg = clean.emg + NOISE * clean.emg.mean(axis=0) * rng.standard_normal(clean.emg.shape)
     torque = clean.torque + NOISE * abs(mean) * rng.standard_normal(clean.n)
     size = [float(np.abs(clean.torque).mean()), abs(mean), float(np.sqrt(np.mean(clean.torque**2)))]
@@ -190,13 +213,15 @@ def fit_explicit(
     """
     from scipy.optimize import least_squares
 
-    spec, options = get_model(model), ModelOptions.of(integrator="explicit-euler")
+    spec = get_model(model)
+    options = ModelOptions.of(integrator="explicit-euler")
     parameters = [p for p in spec.parameters if p.name in spec.free]
     names = tuple(p.name for p in parameters)
     low, high, start = (
         np.array([getattr(p, key) for p in parameters]) for key in ("lower", "upper", "start")
     )
-    torque, simulator = inputs.torque, spec.simulator(inputs, options)
+    torque = inputs.torque
+    simulator = spec.simulator(inputs, options)
     assert torque is not None
 
     def residual(scaled: FloatArray) -> FloatArray:
@@ -207,9 +232,14 @@ def fit_explicit(
             return np.full(inputs.n, 1e3)
 
     end = least_squares(
-        residual, np.ones(len(start)), bounds=(low / start, high / start), diff_step=step,
-        ftol=_TOLERANCE, xtol=_TOLERANCE, max_nfev=_ITERATIONS,
-    )  # fmt: skip
+        residual,
+        np.ones(len(start)),
+        bounds=(low / start, high / start),
+        diff_step=step,
+        ftol=_TOLERANCE,
+        xtol=_TOLERANCE,
+        max_nfev=_ITERATIONS,
+    )
     # The standard deviation of what may be between the bounds.
     bounded = {
         p.name: (p.upper - p.lower) / math.sqrt(12.0)

@@ -33,7 +33,8 @@ NAMES = ("ramp-and-hold", *PROFILES)
 #: Full plantarflexion and dorsiflexion count as reached within this part of the range.
 _REACHED = 0.001
 #: Speed that a muscle cannot exceed [l0/s], equation (17), and what Figure 38 shows of it.
-_VMAX, _SHOWN = 8.0, 5.0
+_VMAX = 8.0
+_SHOWN = 5.0
 
 
 @cache
@@ -44,9 +45,11 @@ def basic(profile: str, task: str = "part-passive") -> Trajectory:
 
 @cache
 def chirped(
-    profile: str, amplitude: float = CHOSEN_AMPLITUDE, factor: float = CHOSEN_FACTOR,
+    profile: str,
+    amplitude: float = CHOSEN_AMPLITUDE,
+    factor: float = CHOSEN_FACTOR,
     device: str = "",
-) -> Trajectory:  # fmt: skip
+) -> Trajectory:
     """A profile with the chirp, for a device without limits or for the thesis's manipulator."""
     return generate(protocol(profile, "part-passive", amplitude, factor, device=device))
 
@@ -92,9 +95,11 @@ def plane_visited(_: None) -> Ruling:
     low, high, filtered = (
         triceps_path(done).coverage.share
         for done in (
-            basic("ramp-and-hold"), chirped("multi-sine-holds"), for_achilles("multi-sine-holds"),
+            basic("ramp-and-hold"),
+            chirped("multi-sine-holds"),
+            for_achilles("multi-sine-holds"),
         )
-    )  # fmt: skip
+    )
     return Ruling(
         high >= 5 * low,
         f"{100 * low:.1f} % by ramp and hold, {100 * high:.1f} % by multi-sine with holds "
@@ -105,7 +110,8 @@ def plane_visited(_: None) -> Ruling:
 def within_axes(_: None) -> Ruling:
     """The triceps's speed with the chosen chirp."""
     velocity = triceps_path(chirped("multi-sine-holds")).velocity
-    low, high = float(velocity.min()), float(velocity.max())
+    low = float(velocity.min())
+    high = float(velocity.max())
     return Ruling(low >= -_SHOWN and high <= _SHOWN, f"{low:.1f} … {high:.1f} l0/s")
 
 
@@ -140,9 +146,12 @@ _LOOKS = {
     "gm": (RED, (0, (5, 1, 1, 1)), "gastrocnemius medialis"),
 }
 _TITLES = (
-    "A. Sine wavelet of 0.20 Hz", "B. Multiple holds", "C. Multi-sine", "D. Multi-sine with holds",
+    "A. Sine wavelet of 0.20 Hz",
+    "B. Multiple holds",
+    "C. Multi-sine",
+    "D. Multi-sine with holds",
     "E. Scaled chirp",
-)  # fmt: skip
+)
 #: EMG of the largest effort in Figure 9 [µV].
 _FULL = 600.0
 _ENDS = "Full plantarflexion at 0 rad, full dorsiflexion at 1.5 rad"
@@ -161,40 +170,88 @@ def drawings() -> tuple[Drawing, ...]:
         for name, title in zip(names, _TITLES, strict=True)
     ]
     return (
-        Drawing("figure-2", "Figure 2: the ramp-and-hold protocol", f"{_ENDS}; 18 s.",
+        Drawing(
+            "figure-2",
+            "Figure 2: the ramp-and-hold protocol",
+            f"{_ENDS}; 18 s.",
             "The angle rises in one ramp to full dorsiflexion, is held, and returns.",
-            draw([_position(basic("ramp-and-hold", "passive"), "Ramp and hold")], 2.6)),
-        _map("figure-3", "Figure 3: length and velocity of the triceps, ramp and hold",
-            basic("ramp-and-hold", "passive")),
-        Drawing("figure-6", "Figure 6: the five basic profiles", f"{_ENDS}.",
+            draw([_position(basic("ramp-and-hold", "passive"), "Ramp and hold")], 2.6),
+        ),
+        _map(
+            "figure-3",
+            "Figure 3: length and velocity of the triceps, ramp and hold",
+            basic("ramp-and-hold", "passive"),
+        ),
+        Drawing(
+            "figure-6",
+            "Figure 6: the five basic profiles",
+            f"{_ENDS}.",
             "Five time courses of the ankle angle, each spanning the whole range of motion.",
-            draw(basics, 7.6, sharex=True)),
-        Drawing("figure-7", "Figure 7: the added chirp",
+            draw(basics, 7.6, sharex=True),
+        ),
+        Drawing(
+            "figure-7",
+            "Figure 7: the added chirp",
             "A·sin(s·t²) with A = 0.2 rad and s = 0.3: the frequency at time t is s·t/π.",
             "An oscillation of constant amplitude whose frequency rises from 0 to 2.9 Hz in 30 s.",
-            draw([Panel("Angle [rad]", [PlotLine(time, added)], "Time [s]",
-                        "Chirp of 0.2 rad and factor 0.3", {"xlim": (0.0, 30.0)})], 2.6)),
-        Drawing("figure-8", "Figure 8: multiple holds with a chirp of 0.2 rad",
+            draw(
+                [
+                    Panel(
+                        "Angle [rad]",
+                        [PlotLine(time, added)],
+                        "Time [s]",
+                        "Chirp of 0.2 rad and factor 0.3",
+                        {"xlim": (0.0, 30.0)},
+                    )
+                ],
+                2.6,
+            ),
+        ),
+        Drawing(
+            "figure-8",
+            "Figure 8: multiple holds with a chirp of 0.2 rad",
             "The sum of Figures 6B and 7, the holds mapped on a narrower range so that the sum "
             "just reaches full plantarflexion (−1) and full dorsiflexion (1).",
             "Holds at several positions with an oscillation of rising frequency upon them.",
-            draw([Panel("Part of the range\nof motion [-]", [PlotLine(eighth.time, part)],
+            draw(
+                [
+                    Panel(
+                        "Part of the range\nof motion [-]",
+                        [PlotLine(eighth.time, part)],
                         "Time [s]",
                         "Multiple holds with the chirp of Figure 7",
-                        {"xlim": (0.0, eighth.time[-1])})], 2.9)),
-        Drawing("figure-9", "Figure 9: the two EMG tasks",
+                        {"xlim": (0.0, eighth.time[-1])},
+                    )
+                ],
+                2.9,
+            ),
+        ),
+        Drawing(
+            "figure-9",
+            "Figure 9: the two EMG tasks",
             "Bursts alternate between the triceps surae's three heads and the tibialis "
             f"anterior; the largest effort is {_FULL:g} µV, as in the thesis.",
             "Bursts of the four muscles, above from 11 s on, below from the start to 24 s.",
-            draw([_efforts("part-passive", "9A. relaxed to 11 s, then alternating", ""),
-                  _efforts("active", "9B. the active part alone", "Time [s]")], 5.2,
-                 shared=4, sharex=True)),
+            draw(
+                [
+                    _efforts("part-passive", "9A. relaxed to 11 s, then alternating", ""),
+                    _efforts("active", "9B. the active part alone", "Time [s]"),
+                ],
+                5.2,
+                shared=4,
+                sharex=True,
+            ),
+        ),
         _adapted("figure-36", "multiple-holds", "Figure 36: multiple holds for the manipulator"),
-        _adapted("figure-37", "multi-sine-holds",
-            "Figure 37: multi-sine with holds for the manipulator"),
-        _map("figure-38", "Figure 38: length and velocity of the triceps, multi-sine with holds",
-            chirped("multi-sine-holds")),
-    )  # fmt: skip
+        _adapted(
+            "figure-37", "multi-sine-holds", "Figure 37: multi-sine with holds for the manipulator"
+        ),
+        _map(
+            "figure-38",
+            "Figure 38: length and velocity of the triceps, multi-sine with holds",
+            chirped("multi-sine-holds"),
+        ),
+    )
 
 
 def _position(done: Trajectory, title: str, *, last: bool = True) -> Panel:
@@ -208,34 +265,49 @@ def _position(done: Trajectory, title: str, *, last: bool = True) -> Panel:
 def _map(name: str, title: str, done: Trajectory) -> Drawing:
     path = triceps_path(done)
     share = f"{100 * path.coverage.share:.2g} % of the"
-    cloud = {"color": BLUE, "marker": ".", "markersize": 2.6, "markeredgewidth": 0,
-             "linestyle": "none", "rasterized": True}  # fmt: skip
+    cloud = {
+        "color": BLUE,
+        "marker": ".",
+        "markersize": 2.6,
+        "markeredgewidth": 0,
+        "linestyle": "none",
+        "rasterized": True,
+    }
     panel = Panel(
-        "Velocity [l0/s]", [PlotLine(path.length, path.velocity, "", cloud)],
+        "Velocity [l0/s]",
+        [PlotLine(path.length, path.velocity, "", cloud)],
         "Muscle length [L/l0]",
         f"Triceps surae, l0 = {1e3 * path.l0:g} mm: {share} plane visited",
-        {"xlim": (0.3, 1.2), "ylim": (-_SHOWN, _SHOWN)}, (0.0,),
-    )  # fmt: skip
+        {"xlim": (0.3, 1.2), "ylim": (-_SHOWN, _SHOWN)},
+        (0.0,),
+    )
     return Drawing(
-        name, title,
+        name,
+        title,
         "Each point is one sample: muscle length by equation (9) and its rate of change, both in "
         "optimal lengths, on the thesis's axes.",
-        f"A cloud of points that covers {share} length–velocity plane.", draw([panel], 4.2),
-    )  # fmt: skip
+        f"A cloud of points that covers {share} length–velocity plane.",
+        draw([panel], 4.2),
+    )
 
 
 def _efforts(task: str, title: str, xlabel: str) -> Panel:
     done = motion("multiple-holds", task, 0.0, None, 512.0)
     lines = [
-        PlotLine(done.time, _FULL * done.effort[:, MUSCLES.index(muscle)], label,
-             {"color": colour, "linestyle": dashes})
+        PlotLine(
+            done.time,
+            _FULL * done.effort[:, MUSCLES.index(muscle)],
+            label,
+            {"color": colour, "linestyle": dashes},
+        )
         for muscle, (colour, dashes, label) in _LOOKS.items()
-    ]  # fmt: skip
+    ]
     return Panel("EMG [µV]", lines, xlabel, title, {"xlim": (0.0, 35.0)})
 
 
 def _adapted(name: str, profile: str, title: str) -> Drawing:
-    before, after = chirped(profile), for_achilles(profile)
+    before = chirped(profile)
+    after = for_achilles(profile)
     limit = {"color": OCHRE, "linewidth": 1.2, "linestyle": (0, (5, 2))}
     ends = np.array([0.0, after.time[-1]])
     velocity = Panel(
@@ -246,14 +318,20 @@ def _adapted(name: str, profile: str, title: str) -> Drawing:
             PlotLine(ends, np.full(2, 1.5), "1.5 rad/s", limit),
             PlotLine(ends, np.full(2, -1.5), "", limit),
         ],
-        "Time [s]", "", {"xlim": ends, "ylim": (-10.0, 10.0)}, legend=3,
-    )  # fmt: skip
+        "Time [s]",
+        "",
+        {"xlim": ends, "ylim": (-10.0, 10.0)},
+        legend=3,
+    )
     angle = _position(after, "As the manipulator is asked to move", last=False)
     return Drawing(
-        name, title, " ".join(adaptation(profile).steps),
+        name,
+        title,
+        " ".join(adaptation(profile).steps),
         "The angle of the filtered profile; its velocity stays within ±1.5 rad/s, that of the "
-        "unfiltered one does not.", draw([angle, velocity], 4.2, sharex=True),
-    )  # fmt: skip
+        "unfiltered one does not.",
+        draw([angle, velocity], 4.2, sharex=True),
+    )
 
 
 def run(context: Context) -> Result:

@@ -45,7 +45,8 @@ _K, _X0, _B, _F0 = (_NAMES.index(name) for name in ("k_tri", "x0_tri", "b_tri", 
 #: What makes an EMG envelope an integrated EMG: −3 dB [Hz] of both passes of a zero-phase
 #: Butterworth low-pass, and the order of one. Zero-phase, so that all delay between EMG and force
 #: is that of the activation filter, as in model 1.0.
-IEMG_HZ, IEMG_ORDER = 3.0, 2
+IEMG_HZ = 3.0
+IEMG_ORDER = 2
 
 
 @jit
@@ -87,9 +88,15 @@ class Muscle2010Simulator(Simulator):
         self, inputs: ModelInputs, options: ModelOptions, optional: Sequence[str] = ()
     ) -> None:
         super().__init__(
-            inputs, options, own=_NAMES, optional=optional, weights=("e1", "e2", "e3", "e4"),
-            emg=integrated(inputs), cutoff="f", damping="",
-        )  # fmt: skip
+            inputs,
+            options,
+            own=_NAMES,
+            optional=optional,
+            weights=("e1", "e2", "e3", "e4"),
+            emg=integrated(inputs),
+            cutoff="f",
+            damping="",
+        )
         neutral = np.zeros(1)
         rest = paths(angle=neutral, velocity=neutral, options=options)
         self._l0 = [float(path.length[0]) for path in rest]
@@ -121,10 +128,14 @@ class Muscle2010Simulator(Simulator):
     def _contract(
         self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState, into: Sums
     ) -> None:
-        alpha, arm, jacobian, slots = active.alpha[0], muscle.arm, into.jacobian, into.slots
+        alpha = active.alpha[0]
+        arm = muscle.arm
+        jacobian = into.jacobian
+        slots = into.slots
         factor, by_length, by_speed = self._contraction(group, muscle)
         passive, elastic = self._passive(p, group, muscle)
-        force, gain = passive + factor * alpha, arm * factor
+        force = passive + factor * alpha
+        gain = arm * factor
         into.torque[:] += arm * force
         if group == 0:
             jacobian[slots[_K]] = (muscle.length - p[_X0]) * elastic * arm
@@ -134,7 +145,8 @@ class Muscle2010Simulator(Simulator):
             jacobian[slots[column]] += gain * slope
         tissue = group == 0
         for row, slot in enumerate(into.turned):
-            longer, faster = muscle.length_slopes[row], muscle.speed_slopes[row]
+            longer = muscle.length_slopes[row]
+            faster = muscle.speed_slopes[row]
             change = tissue * (p[_K] * elastic * longer + p[_B] * faster)
             change += alpha * (by_length * longer + by_speed * faster)
             jacobian[slot] += muscle.arm_slopes[row] * force + arm * change

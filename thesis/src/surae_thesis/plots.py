@@ -21,7 +21,7 @@ from surae.report.figures import (
     new_figure,
     shared_legend,
     trace,
-)  # fmt: skip
+)
 
 #: A look of a line or a marker, in matplotlib's words.
 Look = Mapping[str, Any]
@@ -38,10 +38,13 @@ def line(number: int) -> dict[str, Any]:
     colour, dash = _LINES[number % len(_LINES)]
     turn = number // len(_LINES)
     return {
-        "color": colour, "linestyle": dash, "linewidth": 1.1,
-        "marker": _MARKERS[turn % len(_MARKERS)], "markersize": 4.2,
+        "color": colour,
+        "linestyle": dash,
+        "linewidth": 1.1,
+        "marker": _MARKERS[turn % len(_MARKERS)],
+        "markersize": 4.2,
         "markerfacecolor": colour if turn % 2 == 0 else "white",
-    }  # fmt: skip
+    }
 
 
 def footnote(figure: Figure, text: str) -> None:

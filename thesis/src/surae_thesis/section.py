@@ -147,17 +147,30 @@ def _section(name: str, module: str, title: str, source: str) -> Section:
 
 #: In the order of the page.
 SECTIONS = (
-    _section("protocols", "movements", "Movements and efforts",
-             "2.1, 2.5, 4.1.5; Figures 2, 3, 6–9, 36–38"),
-    _section("tendons", "tendons", "Models and tendons",
-             "2.3, 2.4, 4.4, appendix B; Figures 39, 44 and 45"),
+    _section(
+        "protocols",
+        "movements",
+        "Movements and efforts",
+        "2.1, 2.5, 4.1.5; Figures 2, 3, 6–9, 36–38",
+    ),
+    _section(
+        "tendons",
+        "tendons",
+        "Models and tendons",
+        "2.3, 2.4, 4.4, appendix B; Figures 39, 44 and 45",
+    ),
     _section("simulation", "simulation", "Simulation study", "2.5, 3.1, 4.1; Figures 11–16"),
-    _section("subjects", "cohort.subjects", "Subjects: a virtual cohort",
-             "3.2, 4.2, 4.4; Figures 17 to 35 and 40"),
+    _section(
+        "subjects",
+        "cohort.subjects",
+        "Subjects: a virtual cohort",
+        "3.2, 4.2, 4.4; Figures 17 to 35 and 40",
+    ),
     _section("beyond", "cohort.beyond", "Beyond: joint fits of the cohort", "4.4, 4.5"),
-    _section("appendix", "appendix", "What a covariance matrix shows",
-             "Appendix A; Figures 42 and 43"),
-)  # fmt: skip
+    _section(
+        "appendix", "appendix", "What a covariance matrix shows", "Appendix A; Figures 42 and 43"
+    ),
+)
 
 
 def sections(only: Sequence[str] = ()) -> list[Section]:

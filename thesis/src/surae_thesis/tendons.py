@@ -25,13 +25,18 @@ MODEL = "muscle-tendon"
 #: The virtual subject whose leg it is: the first; nothing is chosen by it.
 SUBJECT = 1
 #: The thesis's rates for the muscle-tendon model and for the muscle model [Hz] (4.4).
-FINE, COARSE = 1000.0, 125.0
+FINE = 1000.0
+COARSE = 125.0
 #: Far above both [Hz].
 FINEST = 8000.0
 SCHEMES = ("implicit", "explicit-euler")
 #: Table 2: slack lengths [m], and of both tendons ε0, F̄toe [-], ktoe [-]; Fmax of the triceps [N].
-SLACK_TRI, SLACK_TIB = 0.415, 0.216
-EPS0, TOE, K_TOE, F_MAX = 0.04, 0.3, 4.0, 8000.0
+SLACK_TRI = 0.415
+SLACK_TIB = 0.216
+EPS0 = 0.04
+TOE = 0.3
+K_TOE = 4.0
+F_MAX = 8000.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,9 +77,11 @@ def errors() -> dict[str, float]:
 
     All start from the same EMG: that of the fine trial at the samples of the coarse one.
     """
-    exact, coarse = trial(FINEST), trial(COARSE)
+    exact = trial(FINEST)
+    coarse = trial(COARSE)
     reference = torque(exact, "implicit")
-    at, scale = np.interp(coarse.time, exact.time, reference), np.sqrt(np.mean(reference**2))
+    at = np.interp(coarse.time, exact.time, reference)
+    scale = np.sqrt(np.mean(reference**2))
     return {
         s: 100 * float(np.sqrt(np.mean((torque(coarse, s) - at) ** 2)) / scale) for s in SCHEMES
     }
@@ -113,7 +120,8 @@ def _passive(strain: str = "thesis") -> list[float]:
 
 def stiff(_: Numbers, much: float, stiffer: float) -> Ruling:
     """What tendons take in the passive ramp and hold [%]: little, or less than the muscles."""
-    shares, strain = _passive(), _passive("slack-length")
+    shares = _passive()
+    strain = _passive("slack-length")
     return Ruling(
         max(shares) < much,
         f"triceps {shares[0]:.0f} %, tibialis {shares[1]:.0f} % (with ε0 as a strain "
@@ -134,7 +142,8 @@ def slack_length(_: Numbers) -> Ruling:
 
 def printed_lengths(_: Numbers) -> Ruling:
     """The room that the printed lengths leave a muscle of its slack length."""
-    state, slack = states(trial(COARSE)), subject().parameters["x0_tri"]
+    state = states(trial(COARSE))
+    slack = subject().parameters["x0_tri"]
     # "Initial … length combined with the ankle rotation length change": 0.467 − 1.67·(r(θ) − r(0)).
     at_zero = 0.118 - 1.67 * 0.0480  # equations (4) and (9)
     length = 0.467 + state.muscle_length[0] + state.tendon_length[0] - SLACK_TRI - at_zero
@@ -204,42 +213,77 @@ def coarse_rate(n: Numbers, none: float) -> Ruling:
 def drawings() -> tuple[Drawing, ...]:
     """Figures 39 and 45."""
     laws = states(trial(COARSE)).laws
-    elongation, half = np.linspace(-0.005, 0.04, 400), 0.5 * SLACK_TRI
+    elongation = np.linspace(-0.005, 0.04, 400)
+    half = 0.5 * SLACK_TRI
     dot: dict[str, Any] = {"marker": "o", "linestyle": "none", "markersize": 5}
     dashed: dict[str, Any] = {"linewidth": 1.2, "linestyle": (0, (4, 2))}
     without = [
-        PlotLine(1e3 * elongation, laws[0].force(elongation),
-             f"slack length {1e3 * SLACK_TRI:g} mm", {"color": GREY, "linewidth": 4.0}),
-        PlotLine(1e3 * elongation, printed_force(half + elongation, half), f"{1e3 * half:g} mm",
-             dashed),
-        PlotLine([1e3 * laws[0].toe_elongation], [laws[0].toe_force], "end of the toe",
-             dot | {"color": RED}),
-    ]  # fmt: skip
+        PlotLine(
+            1e3 * elongation,
+            laws[0].force(elongation),
+            f"slack length {1e3 * SLACK_TRI:g} mm",
+            {"color": GREY, "linewidth": 4.0},
+        ),
+        PlotLine(
+            1e3 * elongation, printed_force(half + elongation, half), f"{1e3 * half:g} mm", dashed
+        ),
+        PlotLine(
+            [1e3 * laws[0].toe_elongation],
+            [laws[0].toe_force],
+            "end of the toe",
+            dot | {"color": RED},
+        ),
+    ]
     inputs = trial(FINE)
     speeds = [
-        Panel("Muscle speed\n[m/s]",
-              [PlotLine(inputs.time, states(inputs, scheme).muscle_velocity[0], "",
-                    {"color": colour, "linewidth": 0.7})], xlabel, f"{said} at {FINE:g} Hz",
-              {"xlim": (0.0, inputs.time[-1])})
+        Panel(
+            "Muscle speed\n[m/s]",
+            [
+                PlotLine(
+                    inputs.time,
+                    states(inputs, scheme).muscle_velocity[0],
+                    "",
+                    {"color": colour, "linewidth": 0.7},
+                )
+            ],
+            xlabel,
+            f"{said} at {FINE:g} Hz",
+            {"xlim": (0.0, inputs.time[-1])},
+        )
         for scheme, said, colour, xlabel in (
             ("explicit-euler", "Explicit scheme", OCHRE, ""),
             ("implicit", "Implicit scheme", INK, "Time [s]"),
         )
-    ]  # fmt: skip
+    ]
     return (
-        Drawing("figure-39", "Figure 39: tendon force against elongation",
+        Drawing(
+            "figure-39",
+            "Figure 39: tendon force against elongation",
             "Equations (18) to (21) with ε0 in metres: the slack length, once subtracted, changes "
             "nothing.",
             "Two curves that coincide: no force when slack, a curved toe, then a straight line.",
-            draw([Panel("Tendon force [N]", without,
-                        "Elongation, length less slack length [mm]", "Triceps surae",
-                        legend=3)], 3.4)),
-        Drawing("figure-45", "Figure 45: rate of length change of the triceps",
+            draw(
+                [
+                    Panel(
+                        "Tendon force [N]",
+                        without,
+                        "Elongation, length less slack length [mm]",
+                        "Triceps surae",
+                        legend=3,
+                    )
+                ],
+                3.4,
+            ),
+        ),
+        Drawing(
+            "figure-45",
+            "Figure 45: rate of length change of the triceps",
             "The same trial of the same subject by both integrators. The explicit one, the "
             "thesis's, chatters between the clamps ±vmax wherever the muscle is hardly active.",
             "Above, a dense band of oscillation between the clamps; below, a smooth speed.",
-            draw(speeds, 4.6, sharex=True, sharey=True)),
-    )  # fmt: skip
+            draw(speeds, 4.6, sharex=True, sharey=True),
+        ),
+    )
 
 
 def run(context: Context) -> Result:

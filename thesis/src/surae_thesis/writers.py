@@ -37,13 +37,19 @@ from surae_thesis.section import (
 )
 
 #: Names of what is written, beside a PDF where there is typst.
-PAGE, PDF, MARKDOWN = "reproduction.html", "reproduction.pdf", "verdicts.md"
+PAGE = "reproduction.html"
+PDF = "reproduction.pdf"
+MARKDOWN = "verdicts.md"
 #: Classes of the verdicts in the style sheet.
 CLASSES = {
-    "holds": "holds", "holds under a reading": "partly", "differs": "differs",
-    "holds with the thesis's integrator": "partly", "same direction, smaller": "partly",
-    "calibrated": "unchecked", "cannot be checked": "unchecked",
-}  # fmt: skip
+    "holds": "holds",
+    "holds under a reading": "partly",
+    "differs": "differs",
+    "holds with the thesis's integrator": "partly",
+    "same direction, smaller": "partly",
+    "calibrated": "unchecked",
+    "cannot be checked": "unchecked",
+}
 _TITLE = "The thesis’s results, computed again"
 
 
@@ -98,10 +104,14 @@ def _chapter(section: Section, result: Result) -> Shown:
     blocks += paragraphs(result.notes)
     if result.findings:
         heads = columns(
-            "In the thesis", "Claim", "Thesis", *(name or "Ours" for name in result.views),
-            "Verdict", wide=range(1, 3 + len(result.views)),
+            "In the thesis",
+            "Claim",
+            "Thesis",
+            *(name or "Ours" for name in result.views),
+            "Verdict",
+            wide=range(1, 3 + len(result.views)),
             looks={0: "where", 3 + len(result.views): "judged"},
-        )  # fmt: skip
+        )
         claims = [row for f in result.findings for row in _claim_rows(f, result.views)]
         blocks.append(Grid("Claims of the thesis and ours", heads, rows(claims), "claims"))
     for drawing in result.figures:
@@ -112,9 +122,10 @@ def _chapter(section: Section, result: Result) -> Shown:
             blocks.append(Text(f"{table.title}: tables/{table.name}.csv", "note"))
             continue
         numbers = [
-            k for k in range(len(table.columns))
+            k
+            for k in range(len(table.columns))
             if k and all(isinstance(row[k], float | int | None) for row in table.rows)
-        ]  # fmt: skip
+        ]
         cells = (tuple(map(cell_text, row)) for row in table.rows)
         shown = Grid(table.title, columns(*table.columns, numbers=numbers), rows(cells))
         blocks.append(Shown(table.title, (shown,)))

@@ -31,7 +31,8 @@ _TWICE = (0.006, 0.035)
 _JUMP = 0.8
 #: Zeros that laboratories have [deg]: the neutral foot at 90° to the shank, at 180° to it. Others
 #: are tried in steps, but for those so close to one of these.
-_ZEROS, _STEP = (0.0, -90.0, 90.0, -180.0, 180.0), 15.0
+_ZEROS = (0.0, -90.0, 90.0, -180.0, 180.0)
+_STEP = 15.0
 #: Part of the samples, at either end of the angle's values, that may lie anywhere.
 _STRAY = 0.001
 
@@ -42,7 +43,8 @@ def wrong_angle(recording: Recording) -> tuple[Finding, Recording] | None:
     The recording is as it was where the data cannot tell what its angle is.
     """
     channel = recording.channels["angle"]
-    low, high = float(channel.values.min()), float(channel.values.max())
+    low = float(channel.values.min())
+    high = float(channel.values.max())
     noise = float(np.std(np.diff(channel.values))) > 0.5 * float(np.std(channel.values))
     far = high > HIGHEST or low < LOWEST
     if not far and (noise or not _TWICE[0] <= high - low <= _TWICE[1]):
@@ -64,28 +66,39 @@ def wrong_angle(recording: Recording) -> tuple[Finding, Recording] | None:
     named = {what.words: what for what, _ in left}
     factor = FACTORS["angle"][unit]
     found = Message(
-        "read/range/far" if far else "read/range", low=low / factor, high=high / factor,
+        "read/range/far" if far else "read/range",
+        low=low / factor,
+        high=high / factor,
         unit="°" if unit == "deg" else f" {unit}",
-    )  # fmt: skip
+    )
     what: dict[str, Any] = {}
-    which, right, advice = "none", recording, Message("advice/angle-units/find")
+    which = "none"
+    right = recording
+    advice = Message("advice/angle-units/find")
     if len(named) == 1:
         best = _certain(left, good)
         others = [each for what, each in tries if what.words not in named]
         what = {"what": best.words, "numbers": compared(best, as_it_is, others)}
         which = "compared" if what["numbers"] else "known"
-        right, advice = best.right(recording), best.right.lines(recording)
+        right = best.right(recording)
+        advice = best.right.lines(recording)
         if best.words == _DEGREES.words:
             advice = Message("advice/angle-units/degrees")
     elif named:
         first, second, *_ = named.values()
-        which, what = "either", {"one": first.words, "other": second.words}
+        which = "either"
+        what = {"one": first.words, "other": second.words}
         advice = Message("advice/angle-units/first", lines=first.right.lines(recording))
     value = max(abs(low), abs(high)) if far else high - low
     return make_finding(
-        f"angle-units/{which}", "angle", span_of(channel.time), value, advice=advice, range=found,
+        f"angle-units/{which}",
+        "angle",
+        span_of(channel.time),
+        value,
+        advice=advice,
+        range=found,
         **what,
-    ), right  # fmt: skip
+    ), right
 
 
 _DEGREES, _RADIANS = (

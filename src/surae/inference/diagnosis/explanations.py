@@ -13,7 +13,8 @@ from surae.recording.corrections import Corrections
 
 #: What is claimed must explain this much, and leave so many times less than what it is held
 #: against.
-EXPLAINS, CLEARLY = 0.8, 2.5
+EXPLAINS = 0.8
+CLEARLY = 2.5
 #: So many muscles that do nothing while their EMG shows effort make an explanation unlikely: of 24
 #: legs of other shapes, right ones had one at most, turned ones taken for swapped ones two.
 IDLE = 2

@@ -38,7 +38,8 @@ _SHIFT_GAIN = 0.03
 #: virtual legs whose torque follows late by 40 ms, or not, a quick fit puts all at 17 to 85 ms.
 _FOLLOWS = (0.12, 0.0)
 #: Steps in which the EMG is shifted beyond that, and how far at most [s].
-_SHIFT, _FARTHEST = 0.06, 0.6
+_SHIFT = 0.06
+_FARTHEST = 0.6
 #: What a fit with the EMG shifted must leave less, so many times, than with what muscles do.
 _OUT_OF_STEP = 1.1
 #: And the part of the torque's changes that it must explain beyond: in five measured trials of a
@@ -47,22 +48,27 @@ _VISIBLE = 0.005
 #: An angle that keeps within this [rad] for all but a hundredth of the time is held still.
 STILL = 0.03
 #: A zero that is worth a word [Nm], in a fit that explains so much and leaves so much less by it.
-_ZERO, _GOOD_ENOUGH, _ZERO_GAIN = 8.0, 0.9, 1.3
+_ZERO = 8.0
+_GOOD_ENOUGH = 0.9
+_ZERO_GAIN = 1.3
 #: Drift of a torque that is claimed [Nm], and the part of what a fit leaves that it then explains.
 #: Of 48 virtual legs of another generator and 21 measured trials none has both; of 48 drifts by
 #: 8 Nm, 46 do (the legs on which it was set).
-_DRIFT, _DRIFT_SHARE = (3.8, 40.0), 0.21
+_DRIFT = (3.8, 40.0)
+_DRIFT_SHARE = 0.21
 #: The same of what EMG shows for the same torque: a change by a third is 0.43. Right legs have less
 #: than 0.26 of a group, and 0.42 of all together where force is no multiple of EMG (family b).
-_GAIN, _GAIN_SHARE = (0.28, 1.6), {"emg_ta": 0.3, "emg_triceps": 0.3, "emg": 0.46}
+_GAIN = (0.28, 1.6)
+_GAIN_SHARE = {"emg_ta": 0.3, "emg_triceps": 0.3, "emg": 0.46}
 #: Part of a zero seen in the torque's constant part that a fit must find too.
 _AGREED = 0.25
 
 
 def examined(
-    recording: Recording, commanded: Commanded | None = None,
+    recording: Recording,
+    commanded: Commanded | None = None,
     left_out: Iterable[Sequence[float]] = (),
-) -> Quality:  # fmt: skip
+) -> Quality:
     """All findings of a recording: those of the checks, and what is wrong with signs and units.
 
     What is wrong is put right before the checks look, so that what follows from it is no finding.
@@ -82,7 +88,8 @@ def examined(
     quality = check_recording(right, commanded, signals)
     low, high = quantiles(signals.angle, 0.005, 0.995)
     if high - low < STILL:
-        span, degrees = span_of(signals.time), np.rad2deg(high - low)
+        span = span_of(signals.time)
+        degrees = np.rad2deg(high - low)
         findings.append(make_finding("angle-still", "angle", span, high - low, degrees=degrees))
         return _together(quality, findings, but=("angle-units", "rom-not-covered"))
     # inertia makes most of the torque of small random perturbations
@@ -138,13 +145,16 @@ def _signs(
     relaxed = "emg" not in first.slow  # tissue alone also pulls so with both signs turned
     if not good or as_it_is in good or (relaxed and first.r2 >= EXPLAINS):
         return [], recording
-    span, best = span_of(signals.time), good[0]
+    span = span_of(signals.time)
+    best = good[0]
     codes = {role: f"{role}-sign" for role in best.right.sign} or {"emg_ta": "electrodes-swapped"}
     if len(good) > 1:
         text = Message(
-            "found/signs/several", what=joined(*(each.words for each in good), by="or"),
-            before=percent(first.r2), after=percent(best.r2),
-        )  # fmt: skip
+            "found/signs/several",
+            what=joined(*(each.words for each in good), by="or"),
+            before=percent(first.r2),
+            after=percent(best.r2),
+        )
         advice = Message("advice/signs")
     else:
         numbers = compared(best, as_it_is, [each for each in tries if each is not best])
@@ -165,9 +175,7 @@ def _slow(signals: Signals, fit: QuickFit) -> Iterator[Finding]:
     span = span_of(signals.time)
     size, share = fit.slow.get("torque", (0.0, 0.0))
     if share >= _DRIFT_SHARE and _DRIFT[0] <= abs(size) <= _DRIFT[1]:
-        yield make_finding(
-            "torque-drift", "torque", span, size, size=size, percent=100 * share
-        )  # fmt: skip
+        yield make_finding("torque-drift", "torque", span, size, size=size, percent=100 * share)
         return
     grown = {name: fit.slow[name] for name in _GAIN_SHARE if name in fit.slow}
     group = max(grown, key=lambda name: grown[name][1] / _GAIN_SHARE[name], default="")
@@ -176,9 +184,13 @@ def _slow(signals: Signals, fit: QuickFit) -> Iterator[Finding]:
         which = {"emg": "all", "emg_triceps": "triceps", "emg_ta": "ta"}[group]
         after = (1.0 - size / 2.0) / (1.0 + size / 2.0)
         yield make_finding(
-            f"emg-gain/{which}", None if group != "emg_ta" else group, span, after,
-            percent=100 * after, part=100 * share,
-        )  # fmt: skip
+            f"emg-gain/{which}",
+            None if group != "emg_ta" else group,
+            span,
+            after,
+            percent=100 * after,
+            part=100 * share,
+        )
 
 
 def _out_of_step(recording: Recording, signals: Signals, fit: QuickFit) -> Iterator[Finding]:
@@ -191,16 +203,22 @@ def _out_of_step(recording: Recording, signals: Signals, fit: QuickFit) -> Itera
     early, late = _FOLLOWS
     for way, edge in ((1.0, -late), (-1.0, -early)):
         beside = shifted(edge, fit) if edge else fit
-        lag, best = edge, beside
+        lag = edge
+        best = beside
         step = way * _SHIFT
         while abs(lag) < _FARTHEST and (next_ := shifted(lag + step, best)).left < best.left:
-            lag, best = lag + step, next_
+            lag = lag + step
+            best = next_
         if best.left * _OUT_OF_STEP < beside.left and best.r2 - fit.r2 >= _VISIBLE:
             yield make_finding(
-                f"emg-torque-lag/{'follows' if way < 0.0 else 'fitted'}", None,
-                span_of(signals.time), lag, ms=1e3 * abs(lag), before=percent(fit.r2),
+                f"emg-torque-lag/{'follows' if way < 0.0 else 'fitted'}",
+                None,
+                span_of(signals.time),
+                lag,
+                ms=1e3 * abs(lag),
+                before=percent(fit.r2),
                 after=percent(best.r2),
-            )  # fmt: skip
+            )
             return
 
 
@@ -211,9 +229,14 @@ def _zero(recording: Recording, signals: Signals, fit: QuickFit) -> Iterator[Fin
     without = quick_fit(recording, signals, zero=False, near=fit)
     if without is not None and without.left >= _ZERO_GAIN * fit.left:
         yield make_finding(
-            "torque-offset/fitted", "torque", span_of(signals.time), fit.zero, level=fit.zero,
-            before=percent(without.r2), after=percent(fit.r2),
-        )  # fmt: skip
+            "torque-offset/fitted",
+            "torque",
+            span_of(signals.time),
+            fit.zero,
+            level=fit.zero,
+            before=percent(without.r2),
+            after=percent(fit.r2),
+        )
 
 
 def _explains(lag: Finding, recording: Recording, signals: Signals, first: QuickFit) -> bool:

@@ -25,11 +25,13 @@ from surae.recording import MUSCLES, Recording
 from surae.signals import ModelInputs
 
 #: Samples of a quick fit, and the rate [Hz] that it keeps at least.
-_SAMPLES, _RATE = 500, 15.0
+_SAMPLES = 500
+_RATE = 15.0
 #: An EMG whose highest level is not so many times its level at rest is at rest throughout.
 _ACTIVE = 2.5
 #: A muscle does nothing whose weight is below this part of the largest.
-_WEIGHTS, _IDLE = ("g1", "g2", "g3", "g4"), 0.01
+_WEIGHTS = ("g1", "g2", "g3", "g4")
+_IDLE = 0.01
 #: The muscles whose gain may change together: heads of the triceps are hard to tell apart.
 _GROUPS = {"emg_ta": ("g1",), "emg_triceps": _WEIGHTS[1:], "emg": _WEIGHTS}
 #: Largest level [V] to which the EMG is brought, whatever its unit: weights then suit their bounds.
@@ -55,9 +57,13 @@ class QuickFit:
 
 
 def quick_fit(
-    recording: Recording, signals: Signals, *, later: dict[str, float] | None = None,
-    zero: bool = True, near: QuickFit | None = None,
-) -> QuickFit | None:  # fmt: skip
+    recording: Recording,
+    signals: Signals,
+    *,
+    later: dict[str, float] | None = None,
+    zero: bool = True,
+    near: QuickFit | None = None,
+) -> QuickFit | None:
     """Fit model 1.0 quickly to what a recording might be.
 
     `signals` are those of what it might be; `later` is by how much the EMG of a muscle is
@@ -83,11 +89,16 @@ def quick_fit(
     silent = [f"g{k + 1}" for k in range(len(MUSCLES)) if not emg[:, k].any()]
     measured = read_only(signals.torque[thin])
     inputs = ModelInputs(
-        recording.name, rate / step, time=read_only(signals.time[thin]),
-        angle=read_only(moved[thin]), velocity=read_only(velocity[thin]),
+        recording.name,
+        rate / step,
+        time=read_only(signals.time[thin]),
+        angle=read_only(moved[thin]),
+        velocity=read_only(velocity[thin]),
         acceleration=read_only(np.gradient(velocity, 1.0 / rate)[thin]),
-        emg=read_only(emg[thin]), emg_unit="V", torque=measured,
-    )  # fmt: skip
+        emg=read_only(emg[thin]),
+        emg_unit="V",
+        torque=measured,
+    )
     mass = {name: value for name, value in recording.fixed.items() if name == "m"}
     try:
         problem = make_problem([inputs], fixed=dict.fromkeys(silent, 0.0) | mass)
@@ -111,9 +122,15 @@ def quick_fit(
         else:
             begin, _ = solve_linear(problem, rows, np.array(near.at))
         best = minimise(
-            rows, begin, problem.lower, problem.upper, move=curved_move(problem),
-            max_iterations=40, ftol=1e-3, stall=1e-3,
-        )  # fmt: skip
+            rows,
+            begin,
+            problem.lower,
+            problem.upper,
+            move=curved_move(problem),
+            max_iterations=40,
+            ftol=1e-3,
+            stall=1e-3,
+        )
         offset = float(np.mean(residuals.of(best.x)[0])) if zero else 0.0
     if not np.isfinite(best.sse):
         return None
@@ -125,7 +142,8 @@ def quick_fit(
 
 def _slow(rows: FloatArray, values: Mapping[str, float]) -> FrozenDict[str, tuple[float, float]]:
     """What grows evenly through a trial, by what it explains of the residual, to first order."""
-    e, derivatives = -rows[-1], rows[:-1]
+    e = -rows[-1]
+    derivatives = rows[:-1]
     u = np.linspace(-0.5, 0.5, len(e))
     names = list(values)
     grows = {"torque": u}

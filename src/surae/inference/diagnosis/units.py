@@ -16,7 +16,9 @@ from surae.recording import MUSCLE_NAMES, MUSCLES, Recording
 from surae.recording.corrections import Corrections
 
 #: Torque of an ankle [Nm] and duration [s] and rate [Hz] of a trial: least and most.
-_TORQUES, _SECONDS, _RATES = (1.0, 400.0), (2.0, 3600.0), (20.0, 50_000.0)
+_TORQUES = (1.0, 400.0)
+_SECONDS = (2.0, 3600.0)
+_RATES = (20.0, 50_000.0)
 #: A torque that stays below this [Nm] may be per kilogram: 1 to 2 Nm/kg are an ankle's most in
 #: walking and jumping (Winter 2009), while gravity alone turns a foot by 2 to 4 Nm.
 _SMALL = 4.0
@@ -28,7 +30,8 @@ _UNITS = {"mNm": 1e-3, "cNm": 1e-2, "kNm": 1e3, "per-kg": _BODY, "mNm-per-kg": 1
 #: No two muscles of a leg differ by this factor.
 _MUSCLES = 100.0
 #: The largest EMG that skin gives [V], and the largest of any amplifier's output.
-_SKIN, _AMPLIFIER = 0.012, 12.0
+_SKIN = 0.012
+_AMPLIFIER = 12.0
 #: Skin and amplifier alone make more [V].
 _NOISE = 1e-6
 
@@ -59,16 +62,27 @@ def scaled(recording: Recording, role: str, factor: float) -> Recording:
 def _time_unit(recording: Recording) -> _Righted | None:
     """Times in ms or µs that are declared as seconds."""
     angle = recording.channels["angle"]
-    seconds, rate = float(angle.time[-1] - angle.time[0]), angle.rate_hz
+    seconds = float(angle.time[-1] - angle.time[0])
+    rate = angle.rate_hz
     for unit, factor in (("ms", 1e-3), ("µs", 1e-6)):
-        lasting, true_rate = seconds * factor, rate / factor
+        lasting = seconds * factor
+        true_rate = rate / factor
         plausible = _SECONDS[0] <= lasting <= _SECONDS[1] and _RATES[0] <= true_rate <= _RATES[1]
         if rate >= _RATES[0] or not plausible:
             continue
         finding = make_finding(
-            "time-unit", "time", span_of(angle.time), seconds, advice="time-unit/named",
-            seconds=seconds, rate=rate, read=unit, lasting=lasting, hz=true_rate, times=1 / factor,
-        )  # fmt: skip
+            "time-unit",
+            "time",
+            span_of(angle.time),
+            seconds,
+            advice="time-unit/named",
+            seconds=seconds,
+            rate=rate,
+            read=unit,
+            lasting=lasting,
+            hz=true_rate,
+            times=1 / factor,
+        )
         channels = {
             role: replace(c, time=read_only(c.time * factor))
             for role, c in recording.channels.items()
@@ -81,7 +95,8 @@ def _torque_unit(recording: Recording) -> _Righted | None:
     """A torque in mNm, in kNm or per kilogram that is declared as Nm."""
     if (torque := recording.channels.get("torque")) is None:
         return None
-    top, (least, most) = quantile(np.abs(torque.values), 0.99), _TORQUES
+    top = quantile(np.abs(torque.values), 0.99)
+    (least, most) = _TORQUES
     if _SMALL <= top <= most:
         return None
     others = [
@@ -108,17 +123,23 @@ def _torque_unit(recording: Recording) -> _Righted | None:
         numbers = compared(best, as_it_is, [each for each in others if each is not best])
         which = "read/it-is/compared" if numbers else "read/it-is"
         what = Message(which, what=best.words, numbers=numbers)
-    advice, scale = best.right.lines(recording), best.right.scale["torque"]
+    advice = best.right.lines(recording)
+    scale = best.right.scale["torque"]
     if more:
         advice = Message("advice/torque-unit")
     elif scale in (_BODY, _UNITS["mNm-per-kg"]):
         advice = Message("advice/torque-unit/per-kg", lines=advice, scale=scale, kg=_BODY)
     righted = recording if more or plausible else best.right(recording)
     return make_finding(
-        "torque-unit", "torque", span_of(torque.time), top, advice=advice,
-        severity="warning" if plausible else "error", what=what,
+        "torque-unit",
+        "torque",
+        span_of(torque.time),
+        top,
+        advice=advice,
+        severity="warning" if plausible else "error",
+        what=what,
         reach=Message("read/reach/large" if top > most else "read/reach/small", top=top),
-    ), righted  # fmt: skip
+    ), righted
 
 
 def _emg_unit(recording: Recording) -> _Righted | None:
@@ -150,8 +171,15 @@ def _emg_unit(recording: Recording) -> _Righted | None:
         return taken, recording
     factor, unit = (1e-6, "µV") if top > 1e4 * others else (1e-3, "mV")
     finding = make_finding(
-        "emg-unit/one", largest, span, top,
-        muscle=Message(MUSCLE_NAMES[largest.removeprefix("emg_")]), top=top, others=others,
-        read=unit, then=top * factor, role=largest,
-    )  # fmt: skip
+        "emg-unit/one",
+        largest,
+        span,
+        top,
+        muscle=Message(MUSCLE_NAMES[largest.removeprefix("emg_")]),
+        top=top,
+        others=others,
+        read=unit,
+        then=top * factor,
+        role=largest,
+    )
     return finding, scaled(recording, largest, factor)

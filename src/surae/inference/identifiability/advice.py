@@ -32,7 +32,8 @@ def _row(code: str, names: str, beside: str = "") -> TradeOff:
 
 def _of_muscle(g: str, weights: str) -> tuple[TradeOff, ...]:
     """Those of one muscle group."""
-    tendon, relaxes = f"dlt_{g} pt_{g} kt_{g} fmax_{g}", " tau_rel k_rel" if g == "tri" else ""
+    tendon = f"dlt_{g} pt_{g} kt_{g} fmax_{g}"
+    relaxes = " tau_rel k_rel" if g == "tri" else ""
     return (
         _row(f"height/{g}", f"k_{g} x0_{g}"),
         _row(f"toe/{g}", tendon),

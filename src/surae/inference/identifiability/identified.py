@@ -16,14 +16,17 @@ from surae.model.registry import PARAMETERS
 
 #: Widening by the others from which a parameter trades off with them: that of two parameters with a
 #: correlation of 0.7. Partners at most.
-_WIDENED, _PARTNERS = 1.4, 3
+_WIDENED = 1.4
+_PARTNERS = 3
 #: Least size of a parameter, as a part of its bounds' distance, for what is relative to it.
 _LEAST = 0.01
 #: Squared length below which what is left of a column of length 1 is rounding.
 _ROUNDING = 1e-10
 #: A parameter takes part in a direction when its relative change is this part of the largest, or
 #: when its effect on the torque is this part of the largest and its change not a trifle.
-_CHANGED, _EFFECT, _TRIFLE = 0.3, 0.25, 0.03
+_CHANGED = 0.3
+_EFFECT = 0.25
+_TRIFLE = 0.03
 #: Parameters that are named at most.
 _MOST = 5
 #: Part of its largest contribution up to which a direction's torque counts as cancelled.
@@ -108,7 +111,8 @@ def identifiability(result: FitResult, *, variance_inflation: float = 1.0) -> Id
     torque = _torque_rms(result) * problem.n**0.5
     parameters = {}
     for j, name in enumerate(problem.free):
-        effect, widened = float(effects[j]), None
+        effect = float(effects[j])
+        widened = None
         partners: tuple[str, ...] = ()
         if name in names and effect > 0:
             left = unexplained(scaled, j, [i for i in inside if i != j])
@@ -155,13 +159,15 @@ def _advice(
     name: str, partners: tuple[str, ...], joint: Joint, *, silent: bool, at_bound: bool
 ) -> Message:
     """What to do to know a parameter better, in one sentence."""
-    parameter, known = PARAMETERS.get(name), trade_off(name, partners)
+    parameter = PARAMETERS.get(name)
+    known = trade_off(name, partners)
     more = Message(parameter.advice if parameter else "another movement or effort", joint.worded)
     code = "trades" if partners else "little"
     if silent or at_bound:
         code = "silent" if silent else "at-bound"
     elif known is not None:
-        code, more = "trades-as", Message(known.advice.code, joint.worded)
+        code = "trades-as"
+        more = Message(known.advice.code, joint.worded)
     return Message(f"identify/{code}", name=name, names=", ".join(partners), advice=more)
 
 
@@ -170,7 +176,8 @@ def unexplained(R: FloatArray, j: int, others: Sequence[int]) -> float:
 
     σ² over it is the variance of parameter j when the others are estimated too.
     """
-    column, rest = R[:, j], R[:, list(others)]
+    column = R[:, j]
+    rest = R[:, list(others)]
     norms = np.linalg.norm(rest, axis=0)
     rest = rest / np.where(norms > 0, norms, 1.0)
     left = column - rest @ np.linalg.lstsq(rest, column, rcond=None)[0]

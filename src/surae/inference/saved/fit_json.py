@@ -35,10 +35,20 @@ from surae.signals import ModelInputs
 
 #: What a file's checksum is of: what was fitted and found. What is judged of it is judged again.
 _FITTED = (
-    "model", "options", "free", "base", "priors", "settings", "traces", "sse", "R", "outliers",
+    "model",
+    "options",
+    "free",
+    "base",
+    "priors",
+    "settings",
+    "traces",
+    "sse",
+    "R",
+    "outliers",
     "family",
-)  # fmt: skip
-_OF_EACH, _LABELS = ("value", "free", "lower", "upper"), ("name", "files", "steps")
+)
+_OF_EACH = ("value", "free", "lower", "upper")
+_LABELS = ("name", "files", "steps")
 #: Part of an interval's width by which its ends may differ and are the same.
 _ALIKE = 0.005
 
@@ -52,7 +62,8 @@ def as_dict(fit: AssessedFit) -> dict[str, Any]:
     """A fit as plain data, in the shape of FIT.json."""
     result = fit.result
     judged = to_plain(fit.assessment)
-    problem, found = result.problem, to_plain(result)
+    problem = result.problem
+    found = to_plain(result)
     for recording, white in zip(judged["recordings"], judged.pop("whiteness"), strict=True):
         recording["residual"] = white
     how = result.solution
@@ -188,7 +199,8 @@ def _as_judged(now: Assessment, data: Mapping[str, Any]) -> Assessment:
     """The verdicts of the file; and where this version's, `now`, are others."""
     if "adequacy" not in data or not all("ci95" in p for p in data["parameters"].values()):
         return now  # older files have none
-    differs, moved = [], []
+    differs = []
+    moved = []
     tables: dict[str, dict[str, Any]] = {}
     for kind, fresh in (("parameters", now.parameters), ("nuisances", now.nuisances)):
         if list(data.get(kind, {})) != list(fresh):
@@ -200,7 +212,8 @@ def _as_judged(now: Assessment, data: Mapping[str, Any]) -> Assessment:
     saved = from_plain(_Judged, {**data, **tables})
     if saved.adequacy.grade != now.adequacy.grade:
         differs.append(f"the fit is {now.adequacy.grade}, not {saved.adequacy.grade}")
-    graded, own = saved.adequacy, {**saved.parameters, **saved.nuisances}
+    graded = saved.adequacy
+    own = {**saved.parameters, **saved.nuisances}
     against = as_given(graded.reasons, graded.codes)
     for name, p in {**now.parameters, **now.nuisances}.items():
         if p.verdict != own[name].verdict:
@@ -210,11 +223,15 @@ def _as_judged(now: Assessment, data: Mapping[str, Any]) -> Assessment:
     if moved:
         differs.append(f"the intervals of {', '.join(moved)} are others")
     return replace(
-        now, parameters=saved.parameters, nuisances=saved.nuisances,
+        now,
+        parameters=saved.parameters,
+        nuisances=saved.nuisances,
         adequacy=Adequacy(graded.grade, against, graded.r2),
         version=saved.judged_by or saved.surae,
-        interval=saved.interval, interval_note=saved.interval_note, differs=tuple(differs),
-    )  # fmt: skip
+        interval=saved.interval,
+        interval_note=saved.interval_note,
+        differs=tuple(differs),
+    )
 
 
 def _alike(one: tuple[float, float] | None, other: tuple[float, float] | None) -> bool:
@@ -225,7 +242,8 @@ def _alike(one: tuple[float, float] | None, other: tuple[float, float] | None) -
 
 
 def _result(file: _File, data: Mapping[str, Any]) -> FitResult:
-    table, starts = {**file.parameters, **file.nuisances}, file.starts.all
+    table = {**file.parameters, **file.nuisances}
+    starts = file.starts.all
     spec = with_optional(get_model(file.model), table)
     ModelOptions.of(**data["options"])  # what this surae does not know is another model
     if missing := [name for name in spec.names if name not in table]:
@@ -265,13 +283,16 @@ def _result(file: _File, data: Mapping[str, Any]) -> FitResult:
 
 def _solution(file: _File, data: Any) -> LeastSquares | PosteriorMode:
     """How the fit was found; older files say less of it, or have it within the family."""
-    starts, family = file.starts.all, data.get("family")
+    starts = file.starts.all
+    family = data.get("family")
     ended = starts[-1] if starts[-1].outcome == "interrupted" else min(starts, key=lambda s: s.sse)
     search = file.search or _Search(ended.outcome)
     own = {
-        "starts": starts, "agreeing": file.starts.agreeing, "stages": search.stages,
+        "starts": starts,
+        "agreeing": file.starts.agreeing,
+        "stages": search.stages,
         "outcome": search.outcome,
-    }  # fmt: skip
+    }
     if family is None:
         return from_plain(LeastSquares, {**own, "outliers": data.get("outliers")})
     known = _family(family)
@@ -292,8 +313,11 @@ def _family(data: Any) -> Any:
 
 def _check(result: FitResult) -> None:
     """Refuse arrays that do not go with each other, and numbers that no fit gives."""
-    problem, solution, outliers = result.problem, result.solution, result.solution.outliers
-    p, inputs = len(problem.free), problem.inputs
+    problem = result.problem
+    solution = result.solution
+    outliers = result.solution.outliers
+    p = len(problem.free)
+    inputs = problem.inputs
     shapes: list[tuple[str, FloatArray, tuple[int, ...]]] = [("R", result.R, (p, p))]
     shapes.append(("base", problem.base, (len(problem.spec.names),)))
     for i, (recording, residual) in enumerate(zip(inputs, result.residuals, strict=True)):

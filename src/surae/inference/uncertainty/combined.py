@@ -97,7 +97,8 @@ class Uncertainty(Comparable):
 
     def repeat(self, gradient: FloatArray) -> float:
         """Standard deviation of what another trial of the leg would give, from this one."""
-        parts, twice = self.variances(gradient), 1.0 if self.is_of_noise_alone else 2.0
+        parts = self.variances(gradient)
+        twice = 1.0 if self.is_of_noise_alone else 2.0
         return math.sqrt(sum(twice * SOURCES[s].anew * part for s, part in parts.items()))
 
     def repeat_half_width(self, gradient: FloatArray) -> float:
@@ -106,7 +107,8 @@ class Uncertainty(Comparable):
 
     def deviations(self, gradient: FloatArray) -> tuple[float, float, float]:
         """The same in all; of what another session, mounted anew, has anew; and between models."""
-        parts, total = self.variances(gradient), self.sd(gradient)
+        parts = self.variances(gradient)
+        total = self.sd(gradient)
         anew = (SOURCES[s].anew_when(mounted=True) * part for s, part in parts.items())
         session = math.sqrt(sum(anew)) + self.bias(gradient) / NORMAL
         return total, session, math.sqrt(parts.get("model", 0.0))
@@ -133,7 +135,8 @@ class Uncertainty(Comparable):
 
     def moved(self, j: int, by: float) -> float:
         """Value of one parameter, moved by so much on its scale, bounds or not."""
-        value, origin = float(self.values[j]), float(self.origin[j])
+        value = float(self.values[j])
+        origin = float(self.origin[j])
         return value + by if math.isnan(origin) else origin + (value - origin) * math.exp(by)
 
     def at(self, away: FloatArray) -> FloatArray:
@@ -141,7 +144,8 @@ class Uncertainty(Comparable):
         with np.errstate(over="ignore", invalid="ignore"):
             grown = self.origin + self.scale * np.exp(np.clip(away, -50.0, 50.0))
         moved = np.where(np.isnan(self.origin), self.values + away, grown)
-        low, high = np.minimum(self.lower, self.values), np.maximum(self.upper, self.values)
+        low = np.minimum(self.lower, self.values)
+        high = np.maximum(self.upper, self.values)
         return np.asarray(np.clip(moved, low, high))
 
     def interval(self, name: str, half: float) -> tuple[float, float]:
@@ -164,11 +168,16 @@ class Uncertainty(Comparable):
 
 
 def combined(
-    result: FitResult, rows: Mapping[str, FloatArray], *, shift: Mapping[str, float] | None = None,
-    dof: FloatArray | None = None, lost: tuple[str, ...] = (),
-) -> Uncertainty:  # fmt: skip
+    result: FitResult,
+    rows: Mapping[str, FloatArray],
+    *,
+    shift: Mapping[str, float] | None = None,
+    dof: FloatArray | None = None,
+    lost: tuple[str, ...] = (),
+) -> Uncertainty:
     """The uncertainty of a fit, whose sources have these rows."""
-    names, problem = result.problem.free, result.problem
+    names = result.problem.free
+    problem = result.problem
     values = np.array([result.values[name] for name in names])
     longest = {x0: length for _, x0, length in stiffness_valleys(problem)}
     origin = np.full(len(names), np.nan)
@@ -179,29 +188,44 @@ def combined(
             origin[j] = 0.0
     rows = dict(rows)
     zero = result.solution.zero_wider * np.radians(problem.settings.zero_sd)
-    lower, upper = problem.lower, problem.upper
+    lower = problem.lower
+    upper = problem.upper
     moved = np.array([(shift or {}).get(name, 0.0) for name in names])
     dof = np.full(len(names), np.inf) if dof is None else dof
     if not (np.isfinite(result.sse) and all(np.isfinite(by).all() for by in rows.values())):
-        rows, lost, zero = {}, names, 0.0
+        rows = {}
+        lost = names
+        zero = 0.0
     if zero and "angle_zero" not in names:
-        names, values = (*names, ZERO), np.append(values, 0.0)
+        names = (*names, ZERO)
+        values = np.append(values, 0.0)
         more = (np.nan, np.inf, 0.0)
         origin, dof, moved = map(np.append, (origin, dof, moved), more)
-        lower, upper = np.append(lower, -1.0), np.append(upper, 1.0)
+        lower = np.append(lower, -1.0)
+        upper = np.append(upper, 1.0)
         rows = {source: np.pad(by, ((0, 0), (0, 1))) for source, by in rows.items()}
         rows["angle_zero"] = np.array([[0.0] * (len(names) - 1) + [zero]])
     return Uncertainty(
-        names, values, lower, upper, origin,
-        FrozenDict({source: read_only(by) for source, by in rows.items()}), moved, dof,
-        result.at_bound, lost, result.solution.turned,
-    )  # fmt: skip
+        names,
+        values,
+        lower,
+        upper,
+        origin,
+        FrozenDict({source: read_only(by) for source, by in rows.items()}),
+        moved,
+        dof,
+        result.at_bound,
+        lost,
+        result.solution.turned,
+    )
 
 
 def of_least_squares(
-    result: FitResult, estimated: Covariance, robust: RobustCovariance | None,
+    result: FitResult,
+    estimated: Covariance,
+    robust: RobustCovariance | None,
     against: Contradiction | None,
-) -> Uncertainty:  # fmt: skip
+) -> Uncertainty:
     """The uncertainty of a named model: of white noise, or of noise that is as the residual says.
 
     What lies at a bound may be anywhere between the bounds, and the others move with it. Where the
@@ -219,9 +243,12 @@ def of_least_squares(
     elif root.matrix.size:
         rows[:, list(root.kept)] = math.sqrt(estimated.sigma2) * root.matrix.T
     return combined(
-        result, {"noise": rows}, shift=None if against is None else against.shift, dof=dof,
+        result,
+        {"noise": rows},
+        shift=None if against is None else against.shift,
+        dof=dof,
         lost=tuple(free[root.kept[j]] for group in root.groups for j in group),
-    )  # fmt: skip
+    )
 
 
 def information_root(result: FitResult) -> FloatArray:
@@ -231,7 +258,8 @@ def information_root(result: FitResult) -> FloatArray:
     """
     if not (isinstance(result.solution, PosteriorMode) and np.isfinite(result.sse)):
         return result.R
-    covariance, problem = result.solution.covariance, result.problem
+    covariance = result.solution.covariance
+    problem = result.problem
     scale = 1.0 / np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     scaled = covariance * scale * scale[:, None]
     if not np.isfinite(scaled).all():

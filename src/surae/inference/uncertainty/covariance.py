@@ -35,9 +35,12 @@ class Covariance(Comparable):
 
 
 def covariance(
-    R: FloatArray, names: Sequence[str], sse: float, n: int,
+    R: FloatArray,
+    names: Sequence[str],
+    sse: float,
+    n: int,
     bounded: Mapping[str, float] | None = None,
-) -> Covariance:  # fmt: skip
+) -> Covariance:
     """Covariance σ²(JᵀJ)⁻¹, equation (33) as decision 1 reads it.
 
     Parameters

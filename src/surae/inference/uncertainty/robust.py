@@ -29,7 +29,8 @@ from surae.inference.uncertainty.covariance import Covariance, InverseRoot, inve
 from surae.signals import ModelInputs
 
 #: Rounds of the noise model and what the fit took of it; ends when the variance rests.
-_ROUNDS, _RESTS = 6, 1e-3
+_ROUNDS = 6
+_RESTS = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -112,9 +113,12 @@ class _Seen:
     """
 
     def __init__(
-        self, residual: FloatArray, counted: npt.NDArray[np.bool_], basis: FloatArray,
+        self,
+        residual: FloatArray,
+        counted: npt.NDArray[np.bool_],
+        basis: FloatArray,
         gain: FloatArray | None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         from scipy.fft import next_fast_len
 
         n = len(residual)
@@ -181,13 +185,18 @@ def _noise_models(seen: Sequence[_Seen]) -> tuple[NoiseModel, ...]:
 
 
 def _covariance(
-    root: InverseRoot, free: Sequence[str], seen: Sequence[_Seen], models: Sequence[NoiseModel],
-    estimated: Covariance, outliers: Outliers | None,
-) -> RobustCovariance:  # fmt: skip
+    root: InverseRoot,
+    free: Sequence[str],
+    seen: Sequence[_Seen],
+    models: Sequence[NoiseModel],
+    estimated: Covariance,
+    outliers: Outliers | None,
+) -> RobustCovariance:
     observed = sum((recording.gram for recording in seen), start=np.zeros(()))
     # Without priors the information is the unit matrix: what is missing of it comes from them.
     prior = np.eye(len(observed)) - observed
-    C, sigma2 = root.matrix, estimated.sigma2
+    C = root.matrix
+    sigma2 = estimated.sigma2
     if outliers is not None:
         C = np.asarray(np.linalg.solve(observed / outliers.widening + prior, C.T).T)
         sigma2 = outliers.scale**2

@@ -54,7 +54,8 @@ class Design(Tabular, Comparable, Plain):
 
     def as_table(self) -> TextTable:
         """What it will tell, and what was given up."""
-        table, found = self.expectation.as_table(), f"{self.curve[-1][0]:,} plans to the best"
+        table = self.expectation.as_table()
+        found = f"{self.curve[-1][0]:,} plans to the best"
         aims = [f"{name} {part(sem)}" for name, sem in self.aimed.items()]
         aimed = [f"standard error of what was aimed at: {', '.join(aims)}"] if aims else []
         below = (*table.below, *self.notes, *aimed, f"{found}; {self.seconds:.0f} s")
@@ -74,12 +75,24 @@ class Design(Tabular, Comparable, Plain):
 
 
 def make_design(
-    *, name: str, seconds: float, rate_hz: float, device: Device | None,
-    angle_range: tuple[float, float], legs: Legs, unseen: Legs, noise: float, aim: str,
-    effort: bool, evaluations: int, seed: int, known: FloatArray | None = None,
+    *,
+    name: str,
+    seconds: float,
+    rate_hz: float,
+    device: Device | None,
+    angle_range: tuple[float, float],
+    legs: Legs,
+    unseen: Legs,
+    noise: float,
+    aim: str,
+    effort: bool,
+    evaluations: int,
+    seed: int,
+    known: FloatArray | None = None,
     precision: Mapping[str, Any] = FrozenDict(),
-    start: Ready | None = None, progress: SearchProgress | None = None,
-) -> Design:  # fmt: skip
+    start: Ready | None = None,
+    progress: SearchProgress | None = None,
+) -> Design:
     """Search a protocol, hold it to the device, and judge it.
 
     It is searched for `legs`, from the protocol `start`, and judged by `unseen` legs; `noise` [Nm]
@@ -94,11 +107,17 @@ def make_design(
     _, limits, given_up = within_torque(relaxed, limits, unseen, device)
     genes = replace(genes, limits=limits)
     result = search(
-        genes, legs, make_aim(aim, legs), noise=noise * (SEARCH_RATE / rate_hz) ** 0.5,
-        torque=_RESERVE * torque, evaluations=evaluations, seed=seed, known=known,
+        genes,
+        legs,
+        make_aim(aim, legs),
+        noise=noise * (SEARCH_RATE / rate_hz) ** 0.5,
+        torque=_RESERVE * torque,
+        evaluations=evaluations,
+        seed=seed,
+        known=known,
         start=None if start is None else genes.carried(start.genes, start.counts),
         progress=progress,
-    )  # fmt: skip
+    )
     plan, limits, notes = within_torque(genes.plan(result.genes), limits, unseen, device)
     trajectory = plan.trajectory(limits, rate_hz, device=device, legs=unseen.spec.name)
     span = float(np.ptp(trajectory.angle)) / (limits.high - limits.low)
@@ -106,12 +125,17 @@ def make_design(
     if result.stopped:
         notes = (*notes, Message("plan/stopped", n=result.evaluations))
     return Design(
-        plan, limits, trajectory, device,
+        plan,
+        limits,
+        trajectory,
+        device,
         expectation=expected(trajectory, unseen, noise, **precision),
         aimed=FrozenDict(_aimed(trajectory, unseen, noise, aim, known)),
         notes=(*reached, *given_up[:-1], *notes),
-        curve=result.curve, seconds=time.perf_counter() - begin, stopped=result.stopped,
-    )  # fmt: skip
+        curve=result.curve,
+        seconds=time.perf_counter() - begin,
+        stopped=result.stopped,
+    )
 
 
 def _aimed(
@@ -120,14 +144,17 @@ def _aimed(
     """What is expected of parameters and measures that were aimed at by name."""
     if aim in (WORST, MEAN):
         return {}
-    wanted, known_of = make_aim(aim, legs), information(trajectory, legs, noise)
+    wanted = make_aim(aim, legs)
+    known_of = information(trajectory, legs, noise)
     precision = known_of.matrices + (
         prior_precision(known_of.names, legs) if known is None else known
     )
-    variance = np.array([
-        _along(matrix, slopes, values)
-        for matrix, slopes, values in zip(precision, wanted.slopes, legs.estimated, strict=True)
-    ])  # fmt: skip
+    variance = np.array(
+        [
+            _along(matrix, slopes, values)
+            for matrix, slopes, values in zip(precision, wanted.slopes, legs.estimated, strict=True)
+        ]
+    )
     rms = np.sqrt(variance.mean(axis=0))
     return {
         name: float(value) if np.isfinite(value) else None

@@ -56,9 +56,15 @@ class Expected:
 
 
 @filed(
-    "relative", "correlation", "of_fit", noise="noise_Nm", torque="torque_Nm", worst="worst",
-    weakest="weakest", geometric_mean="geometric_mean",
-)  # fmt: skip
+    "relative",
+    "correlation",
+    "of_fit",
+    noise="noise_Nm",
+    torque="torque_Nm",
+    worst="worst",
+    weakest="weakest",
+    geometric_mean="geometric_mean",
+)
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Expectation(Tabular, Comparable, Plain):
     """What a protocol will tell of legs."""
@@ -105,8 +111,10 @@ class Expectation(Tabular, Comparable, Plain):
     @property
     def weakest(self) -> str:
         """The parameter that `worst` is of."""
-        sems = {p.name: np.inf if p.relative_sem is None else p.relative_sem
-                for p in self.parameters.values()}  # fmt: skip
+        sems = {
+            p.name: np.inf if p.relative_sem is None else p.relative_sem
+            for p in self.parameters.values()
+        }
         return max(sems, key=lambda name: sems[name])
 
     @property
@@ -131,32 +139,49 @@ class Expectation(Tabular, Comparable, Plain):
         of_fit = any(p.now is not None for p in self.parameters.values())
         rows = tuple(
             (
-                p.name, *([part(p.now)] * of_fit), part(p.relative_sem), part(p.half_width),
+                p.name,
+                *([part(p.now)] * of_fit),
+                part(p.relative_sem),
+                part(p.half_width),
                 f"{100 * p.identified_share:.0f} %",
                 SOURCES[max(p.budget, key=lambda name: p.budget[name])].label if p.budget else "—",
                 str(p.verdict),
             )
             for p in self.parameters.values()
-        )  # fmt: skip
+        )
         return TextTable(
-            ("parameter", *(["the fit has"] * of_fit), "standard error", "95 % within",
-             "identified in", "most of it", "verdict"),
+            (
+                "parameter",
+                *(["the fit has"] * of_fit),
+                "standard error",
+                "95 % within",
+                "identified in",
+                "most of it",
+                "verdict",
+            ),
             rows,
-            above=(f"{self.protocol}: {self.seconds:g} s, {self.legs}, {self.model}, noise "
-                   f"{self.noise:.2g} Nm at {self.rate_hz:g} Hz",),
+            above=(
+                f"{self.protocol}: {self.seconds:g} s, {self.legs}, {self.model}, noise "
+                f"{self.noise:.2g} Nm at {self.rate_hz:g} Hz",
+            ),
             below=(
                 f"largest standard error: {part(self.worst)} ({self.weakest}); geometric mean: "
                 f"{part(self.geometric_mean)}; identified: {self.identified} of {len(rows)}",
                 *filter(None, [self.caution]),
                 self.asks,
             ),
-        )  # fmt: skip
+        )
 
 
 def expected(
-    trajectory: Trajectory, legs: Legs, noise: float = NOISE, *, known: FloatArray | None = None,
-    now: Mapping[str, float] = FrozenDict(), stays: Mapping[str, float] = FrozenDict(),
-) -> Expectation:  # fmt: skip
+    trajectory: Trajectory,
+    legs: Legs,
+    noise: float = NOISE,
+    *,
+    known: FloatArray | None = None,
+    now: Mapping[str, float] = FrozenDict(),
+    stays: Mapping[str, float] = FrozenDict(),
+) -> Expectation:
     """What a trial tells of each leg; `known`, shape (p, p), is there before: by default priors.
 
     `now` are half widths that a fit has, `stays` what of them no trial lowers (`fit_precision`).
@@ -188,7 +213,9 @@ def expected(
     for j, name in enumerate(own):
         p = table[name]
         value = float(np.median(legs.values[:, columns[j]]))
-        sem, half, errors = None, None, relative[:, j]
+        sem = None
+        half = None
+        errors = relative[:, j]
         share = float(np.mean(wide * errors <= IDENTIFIED))
         verdict: Verdict
         if np.isfinite(errors).all() and central is not None:
@@ -200,26 +227,44 @@ def expected(
             worst = covariances[int(np.argmax(~np.isfinite(errors)))]
             note = judge_singular(name, worst.directions if worst is not None else ())
         parts = [s[name] for s in shares if name in s and sem is not None]
-        budget = {source: float(np.mean([part.get(source, 0.0) for part in parts]))
-                  for source in dict.fromkeys(s for part in parts for s in part)}  # fmt: skip
+        budget = {
+            source: float(np.mean([part.get(source, 0.0) for part in parts]))
+            for source in dict.fromkeys(s for part in parts for s in part)
+        }
         parameters[name] = Expected(
-            name, p.unit, p.meaning, value, sem, half, verdict, note, share, FrozenDict(budget),
+            name,
+            p.unit,
+            p.meaning,
+            value,
+            sem,
+            half,
+            verdict,
+            note,
+            share,
+            FrozenDict(budget),
             finite(now[name]) if name in now else None,
-        )  # fmt: skip
+        )
     return Expectation(
-        protocol=trajectory.settings.profile, model=legs.spec.name, legs=legs.name,
-        seconds=float(trajectory.time[-1]), noise=noise, rate_hz=trajectory.settings.rate_hz,
+        protocol=trajectory.settings.profile,
+        model=legs.spec.name,
+        legs=legs.name,
+        seconds=float(trajectory.time[-1]),
+        noise=noise,
+        rate_hz=trajectory.settings.rate_hz,
         parameters=FrozenDict(parameters),
         nuisances=tuple(n for n in legs.free if n in legs.priors),
-        relative=read_only(relative), correlation=central,
-        load=load_of(trajectory) if legs.options.anatomy == ANKLE else None, of_fit=legs.of_fit,
+        relative=read_only(relative),
+        correlation=central,
+        load=load_of(trajectory) if legs.options.anatomy == ANKLE else None,
+        of_fit=legs.of_fit,
         torque=(float(trial.torque[:, 0].min()), float(trial.torque[:, 1].max())),
-    )  # fmt: skip
+    )
 
 
 def _shares(known: Covariance, own: tuple[str, ...]) -> dict[str, dict[str, float]]:
     """Parts of each variance by source, as the budget of a fit has them."""
-    V, names = known.matrix, known.names
+    V = known.matrix
+    names = known.names
     sources: dict[str, list[int]] = {}
     for j, name in enumerate(names):
         if name not in own and (source := source_of(name)) is not None:

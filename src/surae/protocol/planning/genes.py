@@ -19,12 +19,18 @@ from surae.protocol.profiles import BLEND, Ramp
 #: Still and relaxed at both ends of a trial [s].
 REST = 0.5
 #: Bursts of effort are no shorter and no longer [s].
-SHORTEST, LONGEST = 0.5, 2.5
+SHORTEST = 0.5
+LONGEST = 2.5
 #: Seconds of a trial for each ramp, burst and perturbation that a plan may have.
-_PER_RAMP, _PER_BURST, _PER_SHAKE = 2.6, 1.7, 5.0
+_PER_RAMP = 2.6
+_PER_BURST = 1.7
+_PER_SHAKE = 5.0
 #: Smallest speed [rad/s], and ranges of a perturbation: amplitude [rad], length [s], Hz.
 _SLOWEST = 0.05
-_AMPLITUDES, _LENGTHS, _SLOWEST_HZ, _FASTEST_HZ = (0.002, 0.25), (1.0, 12.0), 0.2, 8.0
+_AMPLITUDES = (0.002, 0.25)
+_LENGTHS = (1.0, 12.0)
+_SLOWEST_HZ = 0.2
+_FASTEST_HZ = 8.0
 #: Where ramps go at first, as parts of the range.
 _TARGETS = (1.0, 0.0, 0.5, 0.8, 0.3, 1.0, 0.65, 0.1, 0.9, 0.4, 0.7, 0.0)
 
@@ -93,17 +99,26 @@ class Genes:
             np.zeros(ramps),
         ]
         if bursts:
-            rows += [np.array([np.log(0.45 * bursts)]), np.full(bursts, 0.0),
-                     np.full(bursts, -0.8), np.full(bursts, 0.5)]  # fmt: skip
+            rows += [
+                np.array([np.log(0.45 * bursts)]),
+                np.full(bursts, 0.0),
+                np.full(bursts, -0.8),
+                np.full(bursts, 0.5),
+            ]
         rows += [
-            _unsquash((np.arange(shakes) + 0.5) / shakes), np.zeros(shakes), np.zeros(shakes),
-            np.zeros(shakes), np.full(shakes, 0.5),
-        ]  # fmt: skip
+            _unsquash((np.arange(shakes) + 0.5) / shakes),
+            np.zeros(shakes),
+            np.zeros(shakes),
+            np.zeros(shakes),
+            np.full(shakes, 0.5),
+        ]
         return np.concatenate(rows)
 
     def carried(self, genes: FloatArray, counts: tuple[int, int, int]) -> FloatArray:
         """Genes of so many ramps, bursts and perturbations as a start here: repeated or cut off."""
-        old, sizes, shakes = _split(genes, counts), _sizes(self.counts), self.counts[2]
+        old = _split(genes, counts)
+        sizes = _sizes(self.counts)
+        shakes = self.counts[2]
         if len(sizes) != len(old):
             return self.start()
         blocks_here = [np.resize(block, size) for block, size in zip(old, sizes, strict=True)]
@@ -119,16 +134,23 @@ class Genes:
         (origin, first), targets, speeds, holds, *efforts = blocks[:-5]
         begin = float(_squash(origin))
         return Plan(
-            self.name, self.seconds, begin, self.blend,
+            self.name,
+            self.seconds,
+            begin,
+            self.blend,
             ramps=self._ramps(begin, float(first), targets, speeds, holds),
             shakes=self._shakes(*blocks[-5:]),
             bursts=self._bursts(float(efforts[0][0]), *efforts[1:]) if efforts else (),
-        )  # fmt: skip
+        )
 
     def _ramps(
-        self, origin: float, first: float, targets: FloatArray, speeds: FloatArray,
+        self,
+        origin: float,
+        first: float,
+        targets: FloatArray,
+        speeds: FloatArray,
         holds: FloatArray,
-    ) -> tuple[Ramp, ...]:  # fmt: skip
+    ) -> tuple[Ramp, ...]:
         span = self.limits.high - self.limits.low
         fastest = self.limits.velocity / span
         to = _squash(targets)
@@ -140,7 +162,8 @@ class Genes:
             distance = np.abs(np.diff(to, prepend=origin))
         slowest = min(_SLOWEST / span, 0.5 * fastest)
         speed = slowest * (fastest / slowest) ** _squash(speeds)
-        low, high = 1.0, fastest / slowest
+        low = 1.0
+        high = fastest / slowest
         if float((distance / speed).sum()) > free:
             for _ in range(30):
                 middle = (low * high) ** 0.5
@@ -150,7 +173,8 @@ class Genes:
         moving = distance / speed
         waits = np.exp(np.clip(np.append(first, holds), -6.0, 6.0))
         waits *= max(free - float(moving.sum()), 0.0) / float(waits.sum())
-        at, ramps = REST, []
+        at = REST
+        ramps = []
         for k in range(len(to)):
             at += float(waits[k])
             ramps.append(Ramp(at, float(to[k]), float(speed[k])))
@@ -169,32 +193,48 @@ class Genes:
             length = SHORTEST + (length - SHORTEST) * max(room, 0.0) / extra
         waits = np.exp(np.clip(np.append(first, gaps), -6.0, 6.0))
         waits *= max(free - float(length.sum()), 0.0) / (float(waits.sum()) + 1.0)
-        level, at, bursts = _squash(levels), REST, []
+        level = _squash(levels)
+        at = REST
+        bursts = []
         for k in range(count):
             at += float(waits[k])
             bursts.append(Burst(at, float(length[k]), float(level[k]), k % 2))
             at += float(length[k]) + 2.0 * GAP
-        spent, allowed = _spent(tuple(bursts)), effort_budget(self.seconds)
+        spent = _spent(tuple(bursts))
+        allowed = effort_budget(self.seconds)
         part = [min(1.0, a / s) if s > 0.0 else 1.0 for s, a in zip(spent, allowed, strict=True)]
         return tuple(b._replace(level=b.level * part[b.direction]) for b in bursts)
 
     def _shakes(
-        self, places: FloatArray, lengths: FloatArray, sizes: FloatArray, lows: FloatArray,
+        self,
+        places: FloatArray,
+        lengths: FloatArray,
+        sizes: FloatArray,
+        lows: FloatArray,
         highs: FloatArray,
-    ) -> tuple[Shake, ...]:  # fmt: skip
+    ) -> tuple[Shake, ...]:
         moving = self.seconds - 2.0 * REST
         longest = min(_LENGTHS[1], moving)
         length = _between(lengths, (min(_LENGTHS[0], longest), longest))
         fastest = min(_FASTEST_HZ, self.highest_hz)
         bounds = (min(_SLOWEST_HZ, 0.5 * fastest), fastest)
         return tuple(
-            Shake(REST + float(place) * (moving - float(long)), float(long), float(size),
-                  float(low), float(high))
-            for place, long, size, low, high in zip(
-                _squash(places), length, _between(sizes, _AMPLITUDES), _between(lows, bounds),
-                _between(highs, bounds), strict=True,
+            Shake(
+                REST + float(place) * (moving - float(long)),
+                float(long),
+                float(size),
+                float(low),
+                float(high),
             )
-        )  # fmt: skip
+            for place, long, size, low, high in zip(
+                _squash(places),
+                length,
+                _between(sizes, _AMPLITUDES),
+                _between(lows, bounds),
+                _between(highs, bounds),
+                strict=True,
+            )
+        )
 
 
 def _sizes(counts: tuple[int, int, int]) -> list[int]:

@@ -44,9 +44,13 @@ class Information(Comparable):
 def model_inputs(trajectory: Trajectory, legs: Legs, rate_hz: float = RATE) -> ModelInputs:
     """What a model of these legs reads of a trial, thinned to no less than `rate_hz`."""
     inputs = inputs_as_given(
-        trajectory.settings.profile, trajectory.settings.rate_hz, trajectory.time,
-        trajectory.motion, legs.inputs(trajectory.effort), emg_unit=legs.emg_unit,
-    )  # fmt: skip
+        trajectory.settings.profile,
+        trajectory.settings.rate_hz,
+        trajectory.time,
+        trajectory.motion,
+        legs.inputs(trajectory.effort),
+        emg_unit=legs.emg_unit,
+    )
     factor = max(int(inputs.rate_hz / rate_hz + 1e-9), 1)
     return inputs if factor == 1 else thinned(inputs, factor)
 
@@ -106,7 +110,8 @@ def prior_precision(names: tuple[str, ...], legs: Legs) -> FloatArray:
 
 
 #: Frames a second that are counted, and their noise beside the drift [m].
-_RATE, _NOISE = 5.0, 5e-4
+_RATE = 5.0
+_NOISE = 5e-4
 #: Rate [Hz] at least at which a fit's recordings are simulated for it.
 _SIMULATED = 64.0
 
@@ -126,22 +131,31 @@ def filmed(legs: Legs, muscles: Sequence[str]) -> Legs:
     values[:, [spec.names.index(n) for n in legs.spec.names]] = legs.values
     known = laboratory()
     return replace(
-        legs, name=Message("legs/filmed", legs=legs.name, names=", ".join(muscles)), spec=spec,
-        free=(*legs.free, *names), values=read_only(values), films=tuple(muscles),
+        legs,
+        name=Message("legs/filmed", legs=legs.name, names=", ".join(muscles)),
+        spec=spec,
+        free=(*legs.free, *names),
+        values=read_only(values),
+        films=tuple(muscles),
         priors=FrozenDict({**{n: known[n] for n in names}, **legs.priors}),
-    )  # fmt: skip
+    )
 
 
 def rows_of_films(
-    muscles: Sequence[str], simulator: object, spec: ModelSpec, free: Sequence[str],
-    values: FloatArray, time: FloatArray,
-) -> list[FloatArray]:  # fmt: skip
+    muscles: Sequence[str],
+    simulator: object,
+    spec: ModelSpec,
+    free: Sequence[str],
+    values: FloatArray,
+    time: FloatArray,
+) -> list[FloatArray]:
     """Whitened derivatives of each film by the free parameters, shape (p, frames) each."""
     step = max(round(len(time) / ((time[-1] - time[0]) * _RATE)), 1)
     at = np.arange(0, len(time), step)
     columns = [spec.names.index(name) for name in free]
     at_point = simulator.tangent(values, columns, lengths=True)  # type: ignore[attr-defined]
-    lengths, slopes = at_point.lengths, at_point.length_jacobian
+    lengths = at_point.lengths
+    slopes = at_point.length_jacobian
     apart = np.abs(time[at][:, None] - time[at]) / DRIFT_S
     factor = np.linalg.cholesky(DRIFT**2 * np.exp(-apart) + _NOISE**2 * np.eye(len(at)))
     whitened = []
@@ -157,12 +171,15 @@ def rows_of_films(
 
 def covariance_if_filmed(result: FitResult, known: Uncertainty, muscle: str) -> FloatArray | None:
     """Covariance of a fit's parameters, had a muscle been filmed; None if it was, or named."""
-    names, problem = names_of_film(muscle), result.problem
+    names = names_of_film(muscle)
+    problem = result.problem
     if known.is_of_noise_alone or names[0] in problem.free:
         return None
-    spec, free = with_optional(problem.spec, names), (*problem.free, *names)
+    spec = with_optional(problem.spec, names)
+    free = (*problem.free, *names)
     values = spec.vector({**result.values, **dict.fromkeys(names, 0.0)}, problem.options)
-    p, priors = len(problem.free), laboratory()
+    p = len(problem.free)
+    priors = laboratory()
     V = np.diag([0.0] * p + [priors[name].sd ** 2 for name in names])
     V[:p, :p] = known.covariance(*problem.free)
     for whole in problem.inputs:

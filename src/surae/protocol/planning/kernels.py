@@ -39,7 +39,8 @@ def base_motion(
     A row of `ramps` is when it starts [s], where it ends, and its speed [1/s]; the first starts at
     `origin`, and each gains or loses its speed in `blend` [s].
     """
-    k, begin = 0, origin
+    k = 0
+    begin = origin
     for i in range(len(t)):
         while k < len(ramps):
             moving = abs(ramps[k, 1] - begin) / ramps[k, 2]
@@ -52,7 +53,8 @@ def base_motion(
             speed = ramps[k, 2] if ramps[k, 1] > begin else -ramps[k, 2]
             early = (t[i] - ramps[k, 0]) / blend
             late = early - abs(ramps[k, 1] - begin) / ramps[k, 2] / blend
-            up, down = _step(early), _step(late)
+            up = _step(early)
+            down = _step(late)
             out[0, i] += speed * blend * (_integral(early) - _integral(late))
             out[1, i] = speed * (up[0] - down[0])
             out[2, i] = speed / blend * (up[1] - down[1])
@@ -60,15 +62,23 @@ def base_motion(
 
 @jit
 def plan_motion(
-    t: FloatArray, ramps: FloatArray, origin: float, blend: float, shakes: FloatArray,
-    low: float, high: float, fastest: float, sharpest: float,
-) -> FloatArray:  # fmt: skip
+    t: FloatArray,
+    ramps: FloatArray,
+    origin: float,
+    blend: float,
+    shakes: FloatArray,
+    low: float,
+    high: float,
+    fastest: float,
+    sharpest: float,
+) -> FloatArray:
     """Angle, velocity and acceleration of a plan, within its limits at every one of the times.
 
     A row of `shakes` is onset and length [s], amplitude [rad], first and last frequency [Hz]; the
     rest is as in `base_motion`, limits in rad, rad/s and rad/s².
     """
-    n, span = len(t), high - low
+    n = len(t)
+    span = high - low
     base = np.empty((3, n))
     base_motion(t, ramps, origin, blend, base)
     # how much of what the base leaves of the limits all perturbations ask for, sample by sample
@@ -81,7 +91,8 @@ def plan_motion(
             since = t[i] - onset
             if since <= 0.0 or since >= length:
                 continue
-            up, down = _step(since / edge), _step((length - since) / edge)
+            up = _step(since / edge)
+            down = _step((length - since) / edge)
             w = size * up[0] * down[0]
             w1 = size * (up[1] * down[0] - up[0] * down[1]) / edge
             w2 = size * (up[2] * down[0] - 2.0 * up[1] * down[1] + up[0] * down[2]) / edge**2
@@ -93,13 +104,16 @@ def plan_motion(
             part[0, i] += 2.0 * w / span
             part[1, i] += 2.0 * abs(w1) + w * p1
             part[2, i] += (
-                2.0 * abs(w2) + 2.0 * abs(w1) * p1 + w * (abs(bend) + p1**2)
+                2.0 * abs(w2)
+                + 2.0 * abs(w1) * p1
+                + w * (abs(bend) + p1**2)
                 + 4.0 * abs(w1 * base[1, i])
-            )  # fmt: skip
+            )
     out = np.zeros((3, n))
     room = np.zeros((3, n))
     for s in range(len(shakes)):
-        onset, length = shakes[s, 0], shakes[s, 1]
+        onset = shakes[s, 0]
+        length = shakes[s, 1]
         share = 1.0
         for i in range(n):
             if t[i] > onset and t[i] < onset + length:
@@ -112,19 +126,24 @@ def plan_motion(
                     share = min(share, sharp / part[2, i])
         for i in range(n):
             if t[i] > onset and t[i] < onset + length:
-                w, w1, w2 = share * shape[s, i, 0], share * shape[s, i, 1], share * shape[s, i, 2]
-                p, p1, p2 = shape[s, i, 3], shape[s, i, 4], shape[s, i, 5]
-                sine, cosine = math.sin(p), math.cos(p)
+                w = share * shape[s, i, 0]
+                w1 = share * shape[s, i, 1]
+                w2 = share * shape[s, i, 2]
+                p = shape[s, i, 3]
+                p1 = shape[s, i, 4]
+                p2 = shape[s, i, 5]
+                sine = math.sin(p)
+                cosine = math.cos(p)
                 room[0, i] += w
                 room[1, i] += w1
                 room[2, i] += w2
                 out[0, i] += w * sine
                 out[1, i] += w1 * sine + w * p1 * cosine
-                out[2, i] += (
-                    w2 * sine + 2.0 * w1 * p1 * cosine + w * (p2 * cosine - p1**2 * sine)
-                )  # fmt: skip
+                out[2, i] += w2 * sine + 2.0 * w1 * p1 * cosine + w * (p2 * cosine - p1**2 * sine)
     for i in range(n):
-        f, speed, sharp = base[0, i], base[1, i], base[2, i]
+        f = base[0, i]
+        speed = base[1, i]
+        sharp = base[2, i]
         free = span - 2.0 * room[0, i]
         out[0, i] += low + free * f + room[0, i]
         out[1, i] += free * speed + (1.0 - 2.0 * f) * room[1, i]

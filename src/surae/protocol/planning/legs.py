@@ -22,7 +22,8 @@ from surae.studies.populations import POPULATIONS, TENDONS, virtual_subject
 
 #: Largest deviation of a draw from a fit, as a factor's logarithm; and that of a parameter of
 #: which neither fit nor population says how far it may be off.
-_WIDEST, _VAGUE = np.log(2.0), 0.3
+_WIDEST = np.log(2.0)
+_VAGUE = 0.3
 #: Seed of the first leg that a protocol is judged by; a design is searched on others.
 _SEEDS = 1_000_000
 
@@ -66,10 +67,14 @@ class Legs(Comparable):
 
 
 def population_legs(
-    model: str, population: str | None, count: int, *, first: int = 0,
+    model: str,
+    population: str | None,
+    count: int,
+    *,
+    first: int = 0,
     nuisances: str | Mapping[str, tuple[float, float]] | None = None,
     options: ModelOptions | None = None,
-) -> Legs:  # fmt: skip
+) -> Legs:
     """Legs drawn from a population, or half from each.
 
     `model` may be ``"auto"``: the family's richest one, with the laboratory's nuisances, all by
@@ -90,22 +95,29 @@ def population_legs(
     rows = []
     for k in range(count):
         subject = virtual_subject(
-            _SEEDS + first + k, names[k % len(names)], tendons=model in (AUTO, COMPLIANT)
-            or "pt_tri" in free,
-        )  # fmt: skip
+            _SEEDS + first + k,
+            names[k % len(names)],
+            tendons=model in (AUTO, COMPLIANT) or "pt_tri" in free,
+        )
         truth = subject.truth(spec.name, options)
         truth = {n: v for n, v in truth.items() if n not in TENDONS["healthy"] or n in free}
         rows.append(spec.vector(truth | {n: b.mean for n, b in priors.items()}, options))
     return Legs(
-        Message(f"legs/{population or 'all'}", n=count), spec, options, free, priors,
+        Message(f"legs/{population or 'all'}", n=count),
+        spec,
+        options,
+        free,
+        priors,
         read_only(np.array(rows)),
-        emg_rest=read_only(np.full(4, EMG_REST)), emg_full=read_only(levels),
-    )  # fmt: skip
+        emg_rest=read_only(np.full(4, EMG_REST)),
+        emg_full=read_only(levels),
+    )
 
 
 def fit_legs(fit: AssessedFit, count: int, *, seed: int = 0) -> Legs:
     """Legs that a fit leaves possible: its estimate first, then draws of what it left open."""
-    result, assessment = fit.result, fit.assessment
+    result = fit.result
+    assessment = fit.assessment
     problem = result.problem
     if result.status == "failed":
         raise InputError("the fit failed and describes no leg; name a population instead")
@@ -120,10 +132,17 @@ def fit_legs(fit: AssessedFit, count: int, *, seed: int = 0) -> Legs:
     seen = np.array(emg_levels(problem.inputs))
     levels = np.where(seen > 0.2 * typical, seen, typical)
     return Legs(
-        Message("legs/fitted"), problem.spec, problem.options, problem.free,
-        priors, read_only(rows), emg_rest=read_only(np.zeros(4)),
-        emg_full=read_only(levels), emg_unit=problem.inputs[0].emg_unit, of_fit=True,
-    )  # fmt: skip
+        Message("legs/fitted"),
+        problem.spec,
+        problem.options,
+        problem.free,
+        priors,
+        read_only(rows),
+        emg_rest=read_only(np.zeros(4)),
+        emg_full=read_only(levels),
+        emg_unit=problem.inputs[0].emg_unit,
+        of_fit=True,
+    )
 
 
 def noise_of(result: FitResult, rate_hz: float) -> float:
@@ -162,7 +181,8 @@ def _spec_of(
 def _possible(known: Uncertainty, priors: Mapping[str, Gaussian]) -> Uncertainty:
     """What is known of the leg alone: what has no interval is as far off as in both populations."""
     sd = np.sqrt(np.diag(known.covariance()))
-    most, wide = _WIDEST * np.abs(known.values), np.zeros((len(sd), len(sd)))
+    most = _WIDEST * np.abs(known.values)
+    wide = np.zeros((len(sd), len(sd)))
     for j, name in enumerate(known.names):
         if name in (*priors, ZERO):
             most[j] = 0.0
@@ -178,5 +198,6 @@ def _spread(name: str) -> float:
     ranges = [p[name] for p in (*POPULATIONS.values(), *TENDONS.values()) if name in p]
     if not ranges:
         return _VAGUE
-    low, high = min(r[0] for r in ranges), max(r[1] for r in ranges)
+    low = min(r[0] for r in ranges)
+    high = max(r[1] for r in ranges)
     return float(np.log(high / low) / np.sqrt(12.0))

@@ -79,7 +79,8 @@ def known_from(fit: AssessedFit, legs: Legs) -> FloatArray:
     Intervals that are believed for correlated residuals are believed here too. Nuisances that
     trials share are in with their priors, once. The legs are those of the fit (`fit_legs`).
     """
-    free, own = legs.free, legs.each_trial
+    free = legs.free
+    own = legs.each_trial
     alone = own | {n for n in free if n not in fit.result.problem.free}  # another film
     known = np.diag([legs.priors[n].sd ** -2.0 if n in alone else 0.0 for n in free])
     told = fit.assessment.uncertainty
@@ -95,9 +96,15 @@ def known_from(fit: AssessedFit, legs: Legs) -> FloatArray:
 
 
 def measure_next_of(
-    fit: AssessedFit, legs: Legs, *, noise: float, device: Device | None,
-    angle_range: tuple[float, float], longest: float, wanted: Sequence[str] | None = None,
-) -> NextTrial:  # fmt: skip
+    fit: AssessedFit,
+    legs: Legs,
+    *,
+    noise: float,
+    device: Device | None,
+    angle_range: tuple[float, float],
+    longest: float,
+    wanted: Sequence[str] | None = None,
+) -> NextTrial:
     """The ready trial that adds most to a fit.
 
     The legs are the fitted leg's, `noise` [Nm] is that of one sample at 256 Hz. No trial longer
@@ -111,9 +118,13 @@ def measure_next_of(
         )
     if assessment.adequacy.grade is Grade.INADEQUATE:
         return _nothing("inadequate", reason=assessment.adequacy.reasons[0])
-    weak = tuple(wanted) if wanted else tuple(
-        n for n in legs.own if assessment.parameters[n].verdict is not Verdict.IDENTIFIED
-    )  # fmt: skip
+    weak = (
+        tuple(wanted)
+        if wanted
+        else tuple(
+            n for n in legs.own if assessment.parameters[n].verdict is not Verdict.IDENTIFIED
+        )
+    )
     if not weak:
         return _nothing("identified")
     known = known_from(fit, legs)
@@ -156,9 +167,14 @@ def measure_next_of(
         change = Message("next/change", name=n, now=_text(before[n]), then=_text(halves[0][n]))
         changes = change if changes is None else Message("{one}, {more}", one=change, more=changes)
     sentences = [
-        Message("next/trial", name=ready.name, seconds=ready.seconds, changes=changes,
-                description=Message(ready.description))
-    ]  # fmt: skip
+        Message(
+            "next/trial",
+            name=ready.name,
+            seconds=ready.seconds,
+            changes=changes,
+            description=Message(ready.description),
+        )
+    ]
     reached = {n: k for n, k in many.items() if k is not None}
     for times in sorted(set(reached.values())):
         which = ", ".join(n for n, k in reached.items() if k == times)
@@ -189,7 +205,8 @@ def _kept(
     stays = dict.fromkeys(before, 0.0)
     told = assessment.uncertainty
     for name in legs.own:
-        value, alone = abs(assessment.parameters[name].value), before[name]
+        value = abs(assessment.parameters[name].value)
+        alone = before[name]
         if name not in told.lost and value and np.isfinite(alone):
             half = told.half_width(told.along(name)) / value
             stays[name] = max(half**2 - alone**2, 0.0) ** 0.5

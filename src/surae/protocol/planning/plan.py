@@ -93,9 +93,14 @@ class Plan:
         return angle, velocity, acceleration
 
     def trajectory(
-        self, limits: Sequence[float], rate_hz: float, *, device: Device | None = None,
-        legs: str = "muscle", fine_hz: float = _FINE_RATE,
-    ) -> Trajectory:  # fmt: skip
+        self,
+        limits: Sequence[float],
+        rate_hz: float,
+        *,
+        device: Device | None = None,
+        legs: str = "muscle",
+        fine_hz: float = _FINE_RATE,
+    ) -> Trajectory:
         """The protocol sampled at a rate; `limits` (`Limits`) are kept at `fine_hz` at least.
 
         `legs` names the model of the virtual legs by which its torque is judged.
@@ -111,11 +116,16 @@ class Plan:
         n = int(self.seconds * rate_hz + 1e-9) + 1
         fine = np.arange((n - 1) * times + 1) / (rate_hz * times)
         angle, velocity, acceleration = (x[::times] for x in self.motion(fine, limits))
-        time, task = np.arange(n) / rate_hz, "designed" if self.bursts else "passive"
+        time = np.arange(n) / rate_hz
+        task = "designed" if self.bursts else "passive"
         settings = Given(
-            profile=self.name, task=task, angle_range=(limits[0], limits[1]), rate_hz=rate_hz,
-            device=device, legs=legs,
-        )  # fmt: skip
+            profile=self.name,
+            task=task,
+            angle_range=(limits[0], limits[1]),
+            rate_hz=rate_hz,
+            device=device,
+            legs=legs,
+        )
         effort = burst_effort(time, self.bursts)
         return Trajectory(settings, time, angle, velocity, acceleration, effort)
 

@@ -47,9 +47,12 @@ class Ready(Comparable):
     genes: FloatArray  #: As `Genes` reads them, shape (d,).
 
     def trajectory(
-        self, device: Device | None, angle_range: tuple[float, float], rate_hz: float,
+        self,
+        device: Device | None,
+        angle_range: tuple[float, float],
+        rate_hz: float,
         legs: Legs,
-    ) -> Trajectory:  # fmt: skip
+    ) -> Trajectory:
         """The protocol on a device: within its limits, and its torque for these legs."""
         limits = limits_of(device, angle_range)
         genes = Genes(self.name, self.seconds, limits, highest_hz(device), self.effort)
@@ -72,7 +75,6 @@ def ready_protocols() -> dict[str, Ready]:
 def start_for(seconds: float, model: str, aim: str, effort: bool) -> Ready | None:
     """The ready protocol from which a search begins best; None where none is like it."""
     alike = [
-        r for r in ready_protocols().values()
-        if r.effort == effort and r.seconds <= _LIKE * seconds
-    ]  # fmt: skip
+        r for r in ready_protocols().values() if r.effort == effort and r.seconds <= _LIKE * seconds
+    ]
     return max(alike, key=lambda r: (r.model == model, r.aim == aim, r.seconds), default=None)

@@ -24,7 +24,8 @@ from surae.protocol.planning.information import information
 from surae.protocol.planning.legs import Legs
 
 #: Aims that are about all parameters: the largest error, or the mean of the errors' logarithms.
-WORST, MEAN = "worst", "mean"
+WORST = "worst"
+MEAN = "mean"
 #: The p-norm that stands for the largest error: smooth, so that near-worst ones count too.
 _NORM = 12.0
 #: How much the mean of the logarithms counts beside the largest error.
@@ -92,10 +93,12 @@ def _measure_slopes(names: Sequence[str], legs: Legs, values: FloatArray) -> Flo
             raise InputError(f"--aim {missing[0]}: no such parameter or measure; known: {known}")
         return np.array([measures[n] for n in names])
 
-    here, slopes = measures_at(base), np.zeros((len(names), len(legs.free)))
+    here = measures_at(base)
+    slopes = np.zeros((len(names), len(legs.free)))
     for name in own:
         step = _STEP * abs(base[name])
-        above, below = base | {name: base[name] + step}, base | {name: base[name] - step}
+        above = base | {name: base[name] + step}
+        below = base | {name: base[name] - step}
         slopes[:, legs.free.index(name)] = (
             (measures_at(above) - measures_at(below)) / (2.0 * step) / here
         )
@@ -113,12 +116,15 @@ def _angle(name: str) -> float:
 #: Rate at which plans are judged while they are searched [Hz].
 SEARCH_RATE = 32.0
 #: Plans of a generation, the first step from nowhere, and that from a plan of a like question.
-_POPULATION, _SIGMA, _NEAR = 20, 0.7, 0.25
+_POPULATION = 20
+_SIGMA = 0.7
+_NEAR = 0.25
 #: Relative standard deviation with which a leg's parameters are known before any trial: so vague
 #: that it matters only where a plan says nothing of one, and keeps such plans comparable.
 VAGUE = 1.0
 #: What the square of the part by which a torque exceeds its limit costs; a plan without numbers.
-_BEYOND, _NOTHING = 20.0, 1e3
+_BEYOND = 20.0
+_NOTHING = 1e3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -137,10 +143,18 @@ class _SpentError(Exception):
 
 
 def search(
-    genes: Genes, legs: Legs, aim: Aim, *, noise: float, torque: float, evaluations: int, seed: int,
-    known: FloatArray | None = None, start: FloatArray | None = None,
+    genes: Genes,
+    legs: Legs,
+    aim: Aim,
+    *,
+    noise: float,
+    torque: float,
+    evaluations: int,
+    seed: int,
+    known: FloatArray | None = None,
+    start: FloatArray | None = None,
     progress: SearchProgress | None = None,
-) -> Search:  # fmt: skip
+) -> Search:
     """Search the plan of the smallest cost; the same arguments always find the same one.
 
     `noise` [Nm] is that of one sample at `SEARCH_RATE`, `torque` [Nm] what no leg should exceed;
@@ -156,7 +170,9 @@ def search(
     units = scale[:, :, None] * scale[:, None, :]
     before = np.eye(len(legs.free)) * VAGUE**-2.0 + (0.0 if known is None else known * units)
     begin = time.perf_counter()
-    best, lowest, count = genes.start() if start is None else np.array(start), np.inf, 0
+    best = genes.start() if start is None else np.array(start)
+    lowest = np.inf
+    count = 0
     curve: list[tuple[int, float, float]] = []
 
     def cost(x: FloatArray) -> float:
@@ -178,7 +194,8 @@ def search(
         if value < lowest:
             if not curve or value < curve[-1][2] - 0.01:
                 curve.append((count, time.perf_counter() - begin, value))
-            best, lowest = np.array(x), value
+            best = np.array(x)
+            lowest = value
         if progress is not None and count % 50 == 0:
             progress(count, evaluations, lowest)
         return value
@@ -188,9 +205,11 @@ def search(
         try:
             judge(best)
             strategy = SepCMA(
-                mean=best, sigma=_SIGMA if start is None else _NEAR, seed=seed,
+                mean=best,
+                sigma=_SIGMA if start is None else _NEAR,
+                seed=seed,
                 population_size=_POPULATION,
-            )  # fmt: skip
+            )
             while True:
                 candidates = [strategy.ask() for _ in range(_POPULATION)]
                 strategy.tell([(x, judge(x)) for x in candidates])

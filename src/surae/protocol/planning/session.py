@@ -34,7 +34,8 @@ from surae.recording.described import ALONE, EMPTY
 
 #: Minutes between two trials, and what a step takes beside its trial; what crosstalk is known to
 #: from contractions of one muscle at a time.
-_BETWEEN, _CROSSTALK = 0.25, 0.02
+_BETWEEN = 0.25
+_CROSSTALK = 0.02
 #: Trials of each kind at most.
 _MOST = 4
 
@@ -90,7 +91,8 @@ class SessionPlan(Tabular, Comparable, Plain):
         TextTable
             A row for each step.
         """
-        spent, rows = 0.0, list[tuple[str, ...]]()
+        spent = 0.0
+        rows = list[tuple[str, ...]]()
         for s in self.steps:
             spent += s.minutes * s.times
             times = f" ({s.times} times)" if s.times > 1 else ""
@@ -139,8 +141,10 @@ def _ordered(
     judge: "_Judge", chosen: tuple[int, ...], every: Sequence[SessionStep]
 ) -> Iterator[SessionStep]:
     """The steps that are done, each time the one that adds most in its time; trials first."""
-    done, left = [0] * len(chosen), [j for j, n in enumerate(chosen) if n]
-    whole, before = float(judge(chosen).sum()), 0.0
+    done = [0] * len(chosen)
+    left = [j for j, n in enumerate(chosen) if n]
+    whole = float(judge(chosen).sum())
+    before = 0.0
     while left:
         able = left if any(done[len(_STEPS) :]) else [j for j in left if j >= len(_STEPS)]
         found = []
@@ -164,7 +168,9 @@ class _Judge:
     def __init__(self, legs: Legs, names: tuple[str, ...], matrices: Sequence[FloatArray]) -> None:
         self.own = tuple(n for n in get_model("muscle").names if n in legs.own)
         self._at = [names.index(name) for name in self.own]
-        self._matrices, self._names, self._legs = matrices, names, legs
+        self._matrices = matrices
+        self._names = names
+        self._legs = legs
         columns = [legs.spec.names.index(name) for name in self.own]
         self._values = np.abs(legs.values[:, columns])
         # what no trial tells: the muscles' own filter is not quite the model's
@@ -184,10 +190,13 @@ class _Judge:
             return np.zeros(len(self.own))
         tri, tib = (StatedArm(48.0, 1.5), StatedArm(39.3, 1.5)) if geometry else (None, None)
         stated = Knowledge(
-            axis_mm=StatedAxis(0.0, 3.0, 0.0) if axis else None, plate=Plate() if empty else None,
-            geometry_sd_percent=GEOMETRY_SD if geometry else None, arm_tri_mm=tri, arm_tib_mm=tib,
+            axis_mm=StatedAxis(0.0, 3.0, 0.0) if axis else None,
+            plate=Plate() if empty else None,
+            geometry_sd_percent=GEOMETRY_SD if geometry else None,
+            arm_tri_mm=tri,
+            arm_tib_mm=tib,
             geometry="images" if geometry else "",
-        ).nuisances()  # fmt: skip
+        ).nuisances()
         priors = laboratory(stated, measured=bool(geometry))
         sds = {n: priors[n].sd if geometry else b.sd for n, b in self._legs.priors.items()}
         crosstalk = dict.fromkeys(CROSSTALK.values(), (0.0, _CROSSTALK)) if alone else {}

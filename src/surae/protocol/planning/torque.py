@@ -23,10 +23,13 @@ from surae.protocol.planning.legs import Legs, population_legs
 from surae.protocol.planning.plan import EXACT, Limits, Plan, eased
 
 #: Part of the range that is given up without asking, and the steps in which it is looked for.
-_GIVEN_UP, _STEP = 0.12, 0.01
+_GIVEN_UP = 0.12
+_STEP = 0.01
 #: Rate at which torques are looked at [Hz], how long a burst is felt after its end [s], and how
 #: often bursts are lowered until the whole is.
-_RATE, _AFTER, _ROUNDS = 100.0, 0.8, 6
+_RATE = 100.0
+_AFTER = 0.8
+_ROUNDS = 6
 
 #: One movement with its efforts lowered again and again is adapted to its device once.
 _moved = lru_cache(maxsize=2)(generate)
@@ -79,11 +82,13 @@ def within_torque(
     """Plan and range with which no leg exceeds the torque, and their cost; or what to give up."""
     if device is None or math.isinf(device.max_torque):
         return plan, limits, ()
-    limit, notes = device.max_torque * EXACT, list[Message]()
+    limit = device.max_torque * EXACT
+    notes = list[Message]()
     of = {"device": device.name, "limit": device.max_torque}
     narrowed = _narrowed(plan, limits, legs, device, limit)
     if narrowed != limits:
-        (low, high), (of_low, of_high) = narrowed[:2], limits[:2]
+        (low, high) = narrowed[:2]
+        (of_low, of_high) = limits[:2]
         ends = {"low": low, "high": high, "of_low": of_low, "of_high": of_high}
         notes.append(Message("plan/narrowed", **of, **ends))
     held = _eased(plan, narrowed, legs, limit)
@@ -99,7 +104,8 @@ def _narrowed(
     plan: Plan | ProfilePlan, limits: Limits, legs: Legs, device: Device, limit: float
 ) -> Limits:
     """The range over which relaxed legs ask no more than the limit."""
-    relaxed, span = eased(plan, 0.0), limits.high - limits.low
+    relaxed = eased(plan, 0.0)
+    span = limits.high - limits.low
 
     def narrower(lower: float, upper: float) -> Limits:
         return limits._replace(low=limits.low + lower * span, high=limits.high - upper * span)
@@ -228,9 +234,14 @@ def requested_limits(trajectory: Trajectory) -> tuple[AskedLimit, ...]:
         exceeded = value > limit * (1.0 + 1e-9)
         when = trajectory.time[-1] * int(values.argmax()) / max(len(values) - 1, 1)
         message = Message(
-            "plan/beyond" if exceeded else "plan/within", what=Message(f"plan/asked/{name}"),
-            value=value, limit=limit, unit=unit, device=device.name, when=when,
-        )  # fmt: skip
+            "plan/beyond" if exceeded else "plan/within",
+            what=Message(f"plan/asked/{name}"),
+            value=value,
+            limit=limit,
+            unit=unit,
+            device=device.name,
+            when=when,
+        )
         limits.append(AskedLimit(message, value, limit, exceeded))
     return tuple(limits)
 

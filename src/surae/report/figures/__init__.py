@@ -26,10 +26,30 @@ with ignoring("matplotlibrc"):
     from matplotlib.transforms import Bbox
 
 __all__ = [
-    "BLUE", "GREY", "GRID", "INK", "MUTED", "OCHRE", "RED", "WIDTH", "Axes", "Figure", "align",
-    "data_url", "dress", "dress_degrees", "heading", "legend", "new_figure", "png",
-    "shade_excluded", "shared_legend", "svg", "trace", "write_figure",
-]  # fmt: skip
+    "BLUE",
+    "GREY",
+    "GRID",
+    "INK",
+    "MUTED",
+    "OCHRE",
+    "RED",
+    "WIDTH",
+    "Axes",
+    "Figure",
+    "align",
+    "data_url",
+    "dress",
+    "dress_degrees",
+    "heading",
+    "legend",
+    "new_figure",
+    "png",
+    "shade_excluded",
+    "shared_legend",
+    "svg",
+    "trace",
+    "write_figure",
+]
 
 
 #: Width of a figure [inch]: the printable width of A4 at 85 %.
@@ -37,12 +57,18 @@ WIDTH = 8.4
 #: Pixels per inch of a raster figure.
 DPI = 200
 
-INK, MUTED, GRID = "#1b1f24", "#57606a", "#e3e6ea"
+INK = "#1b1f24"
+MUTED = "#57606a"
+GRID = "#e3e6ea"
 #: Dark, mid and light enough to be told apart without their hues.
-BLUE, RED, OCHRE, GREY = "#1f4e8c", "#a8321f", "#b8860b", "#a3abb5"
+BLUE = "#1f4e8c"
+RED = "#a8321f"
+OCHRE = "#b8860b"
+GREY = "#a3abb5"
 
 #: Room [inch] for a heading and for each entry of a legend beside it.
-_HEADING, _ENTRY = 2.0, 0.85
+_HEADING = 2.0
+_ENTRY = 0.85
 
 
 def new_figure(height: float, *, width: float = WIDTH) -> Figure:
@@ -118,11 +144,16 @@ def legend(axes: Axes, columns: int) -> None:
     if narrow:
         columns = min(columns, int(room / _ENTRY))
     axes.legend(
-        loc="lower left" if narrow else "lower right", bbox_to_anchor=(0.0 if narrow else 1.0, 1.0),
-        ncols=columns, frameon=False, fontsize=7 if narrow else 8, labelcolor=INK,
-        handlelength=1.8 if narrow else 3.0, borderaxespad=0.1,
+        loc="lower left" if narrow else "lower right",
+        bbox_to_anchor=(0.0 if narrow else 1.0, 1.0),
+        ncols=columns,
+        frameon=False,
+        fontsize=7 if narrow else 8,
+        labelcolor=INK,
+        handlelength=1.8 if narrow else 3.0,
+        borderaxespad=0.1,
         columnspacing=1.0 if narrow else 1.6,
-    )  # fmt: skip
+    )
     if narrow and (text := axes.get_title(loc="left")):
         lines = -(-len(axes.get_legend_handles_labels()[0]) // columns)
         heading(axes, text, 5 + 12 * lines)
@@ -138,10 +169,15 @@ def shade_excluded(axes: Axes, time: FloatArray, spans: Sequence[tuple[int, int]
     half = 0.5 * float(time[1] - time[0])
     for number, (first, last) in enumerate(spans):
         axes.axvspan(
-            float(time[first]) - half, float(time[last]) + half, facecolor="none",
-            edgecolor=GREY, hatch="////", linewidth=0, zorder=0.5,
+            float(time[first]) - half,
+            float(time[last]) + half,
+            facecolor="none",
+            edgecolor=GREY,
+            hatch="////",
+            linewidth=0,
+            zorder=0.5,
             label="_" if number else "left out",
-        )  # fmt: skip
+        )
 
 
 def png(figure: Figure, dpi: int = DPI) -> bytes:
@@ -214,6 +250,13 @@ def shared_legend(
             handles.setdefault(label, handle)
     if handles:
         figure.legend(
-            list(handles.values()), list(handles), loc=where, ncols=min(columns, len(handles)),
-            frameon=False, fontsize=8, labelcolor=INK, handlelength=3.4, columnspacing=1.3,
-        )  # fmt: skip
+            list(handles.values()),
+            list(handles),
+            loc=where,
+            ncols=min(columns, len(handles)),
+            frameon=False,
+            fontsize=8,
+            labelcolor=INK,
+            handlelength=3.4,
+            columnspacing=1.3,
+        )

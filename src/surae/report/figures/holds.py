@@ -15,7 +15,8 @@ from surae.report.traces import Traces
 from surae.trials import tell_together
 
 #: Parts of a hold's samples between which its torque is drawn, and at how many levels of EMG.
-_ENDS, _LEVELS = (0.05, 0.95), 7
+_ENDS = (0.05, 0.95)
+_LEVELS = 7
 #: EMG is averaged over this [s]: about what activation takes.
 _AVERAGED = 0.4
 
@@ -31,13 +32,15 @@ def are_holds(trials: Sequence[Traces]) -> bool:
 def holds_section(trials: Sequence[Traces]) -> block.Section:
     """Where the torque of holds over angle and EMG stands."""
     picture = block.Picture(
-        "holds", "Torque of each hold over its angle, and over the EMG at each angle.",
+        "holds",
+        "Torque of each hold over its angle, and over the EMG at each angle.",
         trials[0].joint.worded(
             "Left: where each hold’s torque lies 90 % of the time, measured (wide, pale) and "
             "modelled (thin, dark). Right: measured torque over the EMG, triceps less tibialis, at "
             "each angle."
-        ), "here",
-    )  # fmt: skip
+        ),
+        "here",
+    )
     return block.Section("Torque over angle and effort", (picture,), "holds")
 
 
@@ -49,19 +52,32 @@ def holds_figure(trials: Sequence[Traces]) -> Figure:
     tops = np.max([each.emg.max(axis=0) for each in trials], axis=0)
     colours = colormaps["viridis"]
     for number in np.argsort(degrees):
-        each, at = trials[number], degrees[number]
+        each = trials[number]
+        at = degrees[number]
         for signal, colour, width in ((each.measured, GREY, 7.0), (each.modelled, BLUE, 1.5)):
             label = "" if number else "measured" if colour == GREY else "modelled"
-            left.plot([at, at], quantiles(signal, *_ENDS), color=colour, linewidth=width,
-                      solid_capstyle="butt", label=label or "_")  # fmt: skip
+            left.plot(
+                [at, at],
+                quantiles(signal, *_ENDS),
+                color=colour,
+                linewidth=width,
+                solid_capstyle="butt",
+                label=label or "_",
+            )
         levels = each.emg / np.where(tops > 0.0, tops, 1.0)
         levels = np.array([smooth(column, round(_AVERAGED * each.rate_hz)) for column in levels.T])
         net = 100.0 * (levels[1:].mean(axis=0) - levels[MUSCLES.index("ta")])
         parts = np.array_split(np.argsort(net), _LEVELS)
         colour = colours(0.9 * (at - min(degrees)) / (max(degrees) - min(degrees)))
-        right.plot([net[part].mean() for part in parts], [each.measured[p].mean() for p in parts],
-                   "o-", color=colour, ms=3, linewidth=1.3,
-                   label=f"{at:.0f}°".replace("-", "−"))  # fmt: skip
+        right.plot(
+            [net[part].mean() for part in parts],
+            [each.measured[p].mean() for p in parts],
+            "o-",
+            color=colour,
+            ms=3,
+            linewidth=1.3,
+            label=f"{at:.0f}°".replace("-", "−"),
+        )
     worded = trials[0].joint.worded
     figures.dress(left, "Torque [Nm]", worded("Ankle angle [°], dorsiflexion positive"))
     figures.dress(right, "", worded("EMG, triceps less tibialis [% of the largest]"))

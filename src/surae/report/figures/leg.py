@@ -16,7 +16,8 @@ from surae.report.language import Words
 #: Width of a card's figure, so that its letters are read on a telephone too [inch].
 CARD_WIDTH = 4.6
 #: A band may reach so many times the measured range beyond it; width of a letter in a bar [%].
-_BEYOND, _LETTER = 0.5, 1.7
+_BEYOND = 0.5
+_LETTER = 1.7
 
 
 def stiffness_figure(
@@ -36,14 +37,31 @@ def stiffness_figure(
     drawn: list[FloatArray] = []
     for number, (norm, at) in enumerate(norms):
         axes.errorbar(
-            [at], [norm.mean], [norm.sd], fmt="s", color=GREY, ms=4, lw=5, alpha=0.6, zorder=1,
+            [at],
+            [norm.mean],
+            [norm.sd],
+            fmt="s",
+            color=GREY,
+            ms=4,
+            lw=5,
+            alpha=0.6,
+            zorder=1,
             label="_" if number else _("{group}, slow stretch", group=_(norm.group)),
-        )  # fmt: skip
+        )
     known = [(at, m.value, m.ci95) for at, m in own if m.value is not None and m.ci95 is not None]
     for number, (at, value, (low, high)) in enumerate(known):
-        axes.errorbar([at + 1.5], [value], [[value - low], [high - value]], fmt="D", color=BLUE,
-                      ms=4, lw=1.2, capsize=2, zorder=3,
-                      label="_" if number else _("this leg, slow stretch"))  # fmt: skip
+        axes.errorbar(
+            [at + 1.5],
+            [value],
+            [[value - low], [high - value]],
+            fmt="D",
+            color=BLUE,
+            ms=4,
+            lw=1.2,
+            capsize=2,
+            zorder=3,
+            label="_" if number else _("this leg, slow stretch"),
+        )
     if model is not None:
         _curve(axes, model, BLUE, "-", _("model, relaxed"))
         drawn.append(model.torque)
@@ -51,17 +69,29 @@ def stiffness_figure(
         for torque, dash, label in (
             (each.loading, "-", _("stretch, measured")),
             (each.unloading, "--", _("return, measured")),
-        ):  # fmt: skip
+        ):
             if np.isfinite(torque).any():
                 axes.plot(
-                    each.angle, torque, dash, color=INK, linewidth=1.2, zorder=3,
+                    each.angle,
+                    torque,
+                    dash,
+                    color=INK,
+                    linewidth=1.2,
+                    zorder=3,
                     label="_" if number else label,
-                )  # fmt: skip
+                )
                 drawn.append(torque)
     if holds:
         held = np.array([h.torque for h in holds])
-        axes.plot([h.angle for h in holds], held, "o", color=INK, ms=5, zorder=4,
-                  label=_("held still, measured"))  # fmt: skip
+        axes.plot(
+            [h.angle for h in holds],
+            held,
+            "o",
+            color=INK,
+            ms=5,
+            zorder=4,
+            label=_("held still, measured"),
+        )
         drawn.append(held)
     _dressed(axes, drawn, _)
     return figure
@@ -81,9 +111,14 @@ def _curve(axes: Axes, curve: TorqueCurve, colour: str, dash: str, label: str) -
     """A curve with its band."""
     if np.isfinite(curve.low).any():
         axes.fill_between(
-            curve.angle, curve.low, curve.high, color=colour, alpha=0.15, linewidth=0,
+            curve.angle,
+            curve.low,
+            curve.high,
+            color=colour,
+            alpha=0.15,
+            linewidth=0,
             label=f"{label}, 95 %",
-        )  # fmt: skip
+        )
     axes.plot(curve.angle, curve.torque, dash, color=colour, linewidth=1.8, label=label)
 
 
@@ -92,14 +127,21 @@ def _dressed(axes: Axes, drawn: Sequence[FloatArray], _: Words) -> None:
     dress(axes, _("Torque [Nm]"), _("Ankle angle [°], dorsiflexion positive"))
     if drawn:
         values = np.concatenate(drawn)
-        low, high = float(np.nanmin(values)), float(np.nanmax(values))
+        low = float(np.nanmin(values))
+        high = float(np.nanmax(values))
         room = _BEYOND * max(high - low, 1.0)
         axes.set_ylim(min(low - room, 0.0), high + room)
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_formatter(lambda tick, _place: _.number(f"{tick:g}".replace("-", "−")))
     axes.axhline(0.0, color=MUTED, linewidth=0.6)
-    axes.legend(frameon=False, fontsize=7, labelcolor=INK, loc="lower left", ncols=2,
-                bbox_to_anchor=(0.0, 1.0))  # fmt: skip
+    axes.legend(
+        frameon=False,
+        fontsize=7,
+        labelcolor=INK,
+        loc="lower left",
+        ncols=2,
+        bbox_to_anchor=(0.0, 1.0),
+    )
 
 
 def shares_bar(parts: Sequence[tuple[str, float, tuple[float, float] | None]]) -> Figure:
@@ -112,9 +154,14 @@ def shares_bar(parts: Sequence[tuple[str, float, tuple[float, float] | None]]) -
         text = f"{name} {value:.0f} %"
         if value > _LETTER * len(text):
             axes.text(
-                begin + 0.5 * value, 0, text, ha="center", va="center", fontsize=9,
+                begin + 0.5 * value,
+                0,
+                text,
+                ha="center",
+                va="center",
+                fontsize=9,
                 color="white" if colour in (INK, BLUE) else INK,
-            )  # fmt: skip
+            )
         if interval is not None:
             ends = [begin + min(max(end, 0.0), 100.0) for end in interval]
             axes.plot(ends, [0.45, 0.45], color=colour if colour == BLUE else INK, linewidth=2.0)

@@ -51,9 +51,12 @@ def _velocity(axes: Axes, trajectory: Trajectory) -> None:
     if device is not None and math.isfinite(device.max_velocity):
         for sign in (1.0, -1.0):
             axes.axhline(
-                sign * device.max_velocity, color=OCHRE, linewidth=1.3, linestyle=(0, (5, 2)),
+                sign * device.max_velocity,
+                color=OCHRE,
+                linewidth=1.3,
+                linestyle=(0, (5, 2)),
                 label=f"limit of {device.name}" if sign > 0.0 else "_",
-            )  # fmt: skip
+            )
         figures.legend(axes, 1)
 
 
@@ -66,12 +69,19 @@ def _effort(strips: list[Axes], trajectory: Trajectory) -> None:
         axes.set_yticks([0.0, 0.5, 1.0], ["0", "", "1"])
         axes.spines["bottom"].set_visible(last)
         axes.tick_params(bottom=last)
-        time, effort = trajectory.time[::thin], trajectory.effort[::thin, column]
+        time = trajectory.time[::thin]
+        effort = trajectory.effort[::thin, column]
         axes.fill_between(time, effort, color=GREY, alpha=0.6, linewidth=0)
         figures.trace(axes, time, effort, color=INK, linewidth=0.8)
         axes.text(
-            0.008, 0.9, muscle.upper(), transform=axes.transAxes, va="top", fontsize=8,
-            weight="bold", color=INK,
-        )  # fmt: skip
+            0.008,
+            0.9,
+            muscle.upper(),
+            transform=axes.transAxes,
+            va="top",
+            fontsize=8,
+            weight="bold",
+            color=INK,
+        )
     figures.heading(strips[0], f"Target effort, {trajectory.settings.task}")
     strips[1].set_ylabel("Effort [-]", fontsize=9, color=INK, y=0.0)

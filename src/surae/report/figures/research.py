@@ -24,9 +24,11 @@ __all__ = ["budget_figure", "correlation_figure", "geometry_figure", "residual_f
 
 
 def residual_figure(
-    time: FloatArray, residual: FloatArray, whiteness: Whiteness,
+    time: FloatArray,
+    residual: FloatArray,
+    whiteness: Whiteness,
     excluded: Sequence[tuple[int, int]] = (),
-) -> Figure:  # fmt: skip
+) -> Figure:
     """Residual [Nm] against time, hatched where a fit left it out, and its autocorrelation."""
     figure = figures.new_figure(4.2)
     axes, correlated = figure.subplots(2)
@@ -41,14 +43,22 @@ def residual_figure(
     figures.dress(correlated, "Autocorrelation [-]", "Lag [s]")
     lags = np.arange(len(whiteness.correlation)) / whiteness.rate_hz
     correlated.axhspan(
-        -whiteness.band, whiteness.band, color=GREY, alpha=0.45, linewidth=0,
+        -whiteness.band,
+        whiteness.band,
+        color=GREY,
+        alpha=0.45,
+        linewidth=0,
         label="95 % band of white noise (±1.96/√n)",
-    )  # fmt: skip
+    )
     correlated.axhline(0.0, color=MUTED, linewidth=0.7)
     correlated.plot(
-        lags, whiteness.correlation, color=BLUE, linewidth=1.1,
-        marker="." if len(lags) < 100 else "", markersize=3,
-    )  # fmt: skip
+        lags,
+        whiteness.correlation,
+        color=BLUE,
+        linewidth=1.1,
+        marker="." if len(lags) < 100 else "",
+        markersize=3,
+    )
     correlated.set_xlim(0.0, float(lags[-1]))
     correlated.set_ylim(top=1.05)
     figures.legend(correlated, 1)
@@ -78,10 +88,15 @@ def correlation_figure(
     for row, column in product(range(k), repeat=2):
         value = float(matrix[row, column])
         axes.text(
-            column, row, _written(value, row == column), ha="center", va="center", fontsize=7,
+            column,
+            row,
+            _written(value, row == column),
+            ha="center",
+            va="center",
+            fontsize=7,
             color="white" if abs(value) > _DARK else INK,
             in_layout=False,  # cells need no room of their own
-        )  # fmt: skip
+        )
     axes.set_xticks(range(k), names, rotation=90, fontsize=8)
     axes.set_yticks(range(k), names, fontsize=8)
     axes.set(xlim=(-0.5, k - 0.5), ylim=(k - 0.5, -0.5), aspect="equal")
@@ -104,9 +119,14 @@ def _written(value: float, diagonal: bool) -> str:
 
 #: The palette's colours on paper.
 _COLOURS = {
-    "surface": "#ffffff", "measured": GREY, "ink": INK, "series-1": BLUE, "series-2": RED,
-    "series-3": OCHRE, "series-6": MUTED,
-}  # fmt: skip
+    "surface": "#ffffff",
+    "measured": GREY,
+    "ink": INK,
+    "series-1": BLUE,
+    "series-2": RED,
+    "series-3": OCHRE,
+    "series-6": MUTED,
+}
 
 
 def budget_figure(budget: BudgetTable) -> Figure:
@@ -121,8 +141,11 @@ def budget_figure(budget: BudgetTable) -> Figure:
     for number, (source, label) in enumerate(zip(budget.sources, budget.labels, strict=True)):
         colour, hatch = SOURCES[source].look
         look: dict[str, Any] = {
-            "facecolor": _COLOURS[colour], "hatch": 4 * hatch, "edgecolor": INK, "linewidth": 0.5,
-        }  # fmt: skip
+            "facecolor": _COLOURS[colour],
+            "hatch": 4 * hatch,
+            "edgecolor": INK,
+            "linewidth": 0.5,
+        }
         ends = begins + shares[:, number]
         boxes = np.dstack((np.stack((begins, ends, ends, begins), axis=1), y))[ends > begins]
         axes.add_collection(PolyCollection(list(boxes), label=label, **look), autolim=False)
@@ -148,7 +171,8 @@ def geometry_figure(options: ModelOptions, names: tuple[str, ...]) -> Figure:
     table = options.geometry
     assert isinstance(table, GeometryTable)
     angle = np.linspace(*table.range, _POINTS)
-    still, rest = np.zeros_like(angle), int(np.argmin(np.abs(angle)))
+    still = np.zeros_like(angle)
+    rest = int(np.argmin(np.abs(angle)))
     drawn: list[tuple[str, str, str, ModelOptions, tuple[FloatArray, ...]]] = [
         ("thesis, arms and printed lengths", MUTED, "-", ModelOptions(), ()),
         ("integral of the thesis’s arms", MUTED, "--", ModelOptions(geometry="virtual-work"), ()),

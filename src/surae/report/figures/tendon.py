@@ -27,21 +27,29 @@ def tendon_figure(traces: Traces, state: TendonState) -> Figure:
     """
     figure = figures.new_figure(10.2)
     grid = figure.add_gridspec(6, 2, height_ratios=[1.25, 1.1, 1.0, 1.35, 0.03, 1.75], wspace=0.05)
-    start, end = float(traces.time[0]), float(traces.time[-1])
+    start = float(traces.time[0])
+    end = float(traces.time[-1])
     for row, name in enumerate(traces.joint.headings):
         force = figure.add_subplot(grid[3, row])
         above = [figure.add_subplot(grid[i, row], sharex=force) for i in range(3)]
         length, velocity, elongation = above
         optimal = traces.optimal[row]
-        muscle, speed = state.muscle_length[row], state.muscle_velocity[row]
+        muscle = state.muscle_length[row]
+        speed = state.muscle_velocity[row]
         for axes, what, own, rigid in (
             (length, "length\n[l0]", muscle, muscle + state.elongation[row]),
             (velocity, "velocity\n[l0/s]", speed, speed + state.tendon_velocity[row]),
         ):
             figures.dress(axes, f"Muscle {what}")
             # A wide pale line below a thin dark one: what lies between the two is the tendon's.
-            figures.trace(axes, traces.time, rigid / optimal, label="on a rigid tendon", color=GREY,
-                  linewidth=2.6)  # fmt: skip
+            figures.trace(
+                axes,
+                traces.time,
+                rigid / optimal,
+                label="on a rigid tendon",
+                color=GREY,
+                linewidth=2.6,
+            )
             figures.trace(
                 axes, traces.time, own / optimal, label="muscle", color=BLUE, linewidth=1.0
             )
@@ -63,20 +71,35 @@ def tendon_figure(traces: Traces, state: TendonState) -> Figure:
 
 def _force(axes: Axes, traces: Traces, state: TendonState, row: int) -> None:
     figures.dress(axes, "Tendon force\n[N]", "Time [s]")
-    force, toe = state.tendon_force[row], state.laws[row].toe_force
+    force = state.tendon_force[row]
+    toe = state.laws[row].toe_force
     figures.trace(axes, traces.time, force, label="tendon", color=INK, linewidth=1.0)
-    figures.trace(axes, traces.time, state.tissue_force[row], label="passive tissue", color=RED,
-          linewidth=1.6, linestyle=(0, (4, 1.5)))  # fmt: skip
-    highest, room = float(np.max(force[np.isfinite(force)], initial=0.0)), 1.12
+    figures.trace(
+        axes,
+        traces.time,
+        state.tissue_force[row],
+        label="passive tissue",
+        color=RED,
+        linewidth=1.6,
+        linestyle=(0, (4, 1.5)),
+    )
+    highest = float(np.max(force[np.isfinite(force)], initial=0.0))
+    room = 1.12
     if toe <= _ROOM * highest:
         axes.axhline(toe, color=OCHRE, linewidth=1.2, linestyle=(0, (1, 1.5)), label="end of toe")
         highest = max(highest, toe)
     else:
         room = 1.3
         axes.text(
-            0.99, 0.94, f"toe ends at {toe:.0f} N, above", transform=axes.transAxes, ha="right",
-            va="top", fontsize=8, color=INK,
-        )  # fmt: skip
+            0.99,
+            0.94,
+            f"toe ends at {toe:.0f} N, above",
+            transform=axes.transAxes,
+            ha="right",
+            va="top",
+            fontsize=8,
+            color=INK,
+        )
     axes.set_ylim(0.0, room * highest or 1.0)
     figures.legend(axes, 3)
 
@@ -90,10 +113,25 @@ def _curve(axes: Axes, law: TendonLaw, elongation: FloatArray) -> None:
     axes.plot(_MILLI * e, law.force(e), color=INK, linewidth=1.0, label="fitted curve")
     if known.size:
         used = np.linspace(low, high, _POINTS)
-        axes.plot(_MILLI * used, law.force(used), color=GREY, linewidth=5.0, zorder=1.5,
-                  solid_capstyle="butt", label="used here")  # fmt: skip
-    axes.plot(_MILLI * law.toe_elongation, law.toe_force, color=OCHRE, marker="D", markersize=5,
-              linestyle="none", markeredgecolor=INK, label="end of toe")  # fmt: skip
+        axes.plot(
+            _MILLI * used,
+            law.force(used),
+            color=GREY,
+            linewidth=5.0,
+            zorder=1.5,
+            solid_capstyle="butt",
+            label="used here",
+        )
+    axes.plot(
+        _MILLI * law.toe_elongation,
+        law.toe_force,
+        color=OCHRE,
+        marker="D",
+        markersize=5,
+        linestyle="none",
+        markeredgecolor=INK,
+        label="end of toe",
+    )
     axes.set_xlim(_MILLI * float(e[0]), _MILLI * end)
     axes.set_ylim(bottom=-0.03 * float(law.force(e[-1:])[0]))
     figures.legend(axes, 3)
@@ -131,15 +169,19 @@ def film_figure(traces: Traces, film: Fascicles, figure: Figure | None = None) -
         # the lines have their names above: a second row of them would lift one heading of two
         axes.plot(filmed, film.force, **{**_FILMED, "label": None})
         axes.plot(model, film.force, **{**_MODEL, "label": None})
-        axes.plot(model[0], film.force[0], "o", color=INK, markersize=5, label="begin",
-                  clip_on=False)  # fmt: skip
+        axes.plot(
+            model[0], film.force[0], "o", color=INK, markersize=5, label="begin", clip_on=False
+        )
         axes.set_ylim(bottom=0.0)
     figures.dress(loops[0], "Force in the model [N]", "Fascicle length [mm]")
     figures.dress(loops[1], "", "Tendon stretch [mm]")
     for axes, text in (
-        (torque, "Torque"), (length, "Muscle"), (stretch, "Tendon"),
-        (loops[0], "Force over length"), (loops[1], "Force over stretch"),
-    ):  # fmt: skip
+        (torque, "Torque"),
+        (length, "Muscle"),
+        (stretch, "Tendon"),
+        (loops[0], "Force over length"),
+        (loops[1], "Force over stretch"),
+    ):
         figures.heading(axes, text)
     for axes, columns in ((torque, 2), (length, 2), *((loop, 1) for loop in loops)):
         figures.legend(axes, columns)

@@ -22,7 +22,10 @@ __all__ = ["draw_parts", "draw_torque", "fit_figure", "predictions_figure", "tor
 #: Units of EMG in volts: the largest signal [V] from which each is used, and how many make a volt.
 _VOLTS = ((0.1, 1.0, "V"), (2e-3, 1e3, "mV"), (0.0, 1e6, "µV"))
 #: Heights [inch] of a strip of EMG, the angle, a panel of torque, and of what surrounds them.
-_STRIP, _ANGLE, _TORQUE, _ROOM = 0.52, 1.35, 2.2, 0.7
+_STRIP = 0.52
+_ANGLE = 1.35
+_TORQUE = 2.2
+_ROOM = 0.7
 #: Of more cycles than this, the panels against time show as many from the middle: all are a smudge.
 _SHOWN = 8
 #: Width [inch] from which there is room for two columns.
@@ -49,9 +52,13 @@ def torque_figure(traces: Traces, *, width: float = WIDTH, figure: Figure | None
     figure = figures.new_figure(height, width=width) if figure is None else figure
     figure.set_size_inches(width, height)
     grid = figure.subplots(
-        len(heights), 2 if both else 1, squeeze=False, sharex="col", sharey="row",
+        len(heights),
+        2 if both else 1,
+        squeeze=False,
+        sharex="col",
+        sharey="row",
         gridspec_kw={"height_ratios": heights, "width_ratios": (3, 2) if both else (1,)},
-    )  # fmt: skip
+    )
     rows: list[_Row] = [tuple(row) for row in grid]
     _emg(rows[: len(muscles)], traces, muscles, cycles)
     _angle(rows[-3], traces, cycles)
@@ -78,9 +85,13 @@ def _shown(traces: Traces, cycles: Cycles | None) -> tuple[float, float]:
 
 
 def _draw(
-    row: _Row, traces: Traces, cycles: Cycles | None, values: FloatArray, look: _Look,
+    row: _Row,
+    traces: Traces,
+    cycles: Cycles | None,
+    values: FloatArray,
+    look: _Look,
     name: str = "",
-) -> None:  # fmt: skip
+) -> None:
     """A signal against time, and over the cycle."""
     figures.trace(row[0], traces.time, values, label=name, **look)
     if cycles is not None and len(row) > 1:
@@ -103,10 +114,12 @@ def _emg(
     if not rows:
         return
     highest = float(traces.emg.max())
-    factor, unit = 1.0, "-"
+    factor = 1.0
+    unit = "-"
     if traces.emg_unit == "V":
         factor, unit = next((f, u) for least, f, u in _VOLTS if highest >= least)
-    signals, highest = traces.emg * factor, highest * factor or 1.0
+    signals = traces.emg * factor
+    highest = highest * factor or 1.0
     for row, muscle in zip(rows, muscles, strict=True):
         _dress(row, "")
         row[0].set_ylim(0.0, 1.08 * highest)
@@ -115,10 +128,16 @@ def _emg(
             axes.tick_params(bottom=False)
             axes.locator_params(axis="y", nbins=2)
         row[0].text(
-            0.008, 0.94, muscle.upper(), transform=row[0].transAxes, va="top", fontsize=8,
-            weight="bold", color=INK,
+            0.008,
+            0.94,
+            muscle.upper(),
+            transform=row[0].transAxes,
+            va="top",
+            fontsize=8,
+            weight="bold",
+            color=INK,
             bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
-        )  # fmt: skip
+        )
         look = {"color": INK, "linewidth": 0.7}
         _draw(row, traces, cycles, signals[:, MUSCLES.index(muscle)], look)
     figures.heading(rows[0][0], "EMG, on one scale" if len(rows) > 1 else "EMG")
@@ -165,7 +184,8 @@ def draw_parts(row: _Row, traces: Traces, cycles: Cycles | None = None) -> None:
 
 
 #: Panels side by side, and height of a row [inch].
-_COLUMNS, _ROW = 2, 1.55
+_COLUMNS = 2
+_ROW = 1.55
 #: Letters of a name that a panel has room for, an inch.
 _LETTERS = 9
 
@@ -225,9 +245,13 @@ def predictions_figure(predictions: Sequence[Prediction], *, width: float = WIDT
     """The figure of a validation: measured and predicted torque, a panel for each recording."""
     panels = [
         TorquePanel(
-            each.name, each.time, each.measured, each.torque, f"VAF {percentage(each.vaf)} %",
+            each.name,
+            each.time,
+            each.measured,
+            each.torque,
+            f"VAF {percentage(each.vaf)} %",
             excluded_spans(each.weight),
         )
         for each in predictions
-    ]  # fmt: skip
+    ]
     return torques_figure(panels, "predicted", width=width)

@@ -12,7 +12,8 @@ from surae.report.figures import BLUE, GREY, GRID, INK, MUTED, WIDTH
 from surae.report.parameters import shown_parameters
 
 #: Width of a panel, and height of a trial in it [inch].
-_PANEL, _HEIGHT = 2.1, 0.16
+_PANEL = 2.1
+_HEIGHT = 0.16
 
 
 def trials_figure(
@@ -25,7 +26,8 @@ def trials_figure(
     """
     every = [*([] if joint is None else [joint]), *fits.values()]
     free = (p.name for fit in every for p in shown_parameters(fit) if p.free)
-    names, trials = list(dict.fromkeys(free)), list(fits)
+    names = list(dict.fromkeys(free))
+    trials = list(fits)
     columns = max(round(WIDTH / _PANEL), 1)
     rows = -(-len(names) // columns)
     figure = figures.new_figure(rows * (0.75 + _HEIGHT * max(len(fits), 2)))
@@ -35,9 +37,14 @@ def trials_figure(
     ].flat:  # lines where ticks would be, which take a hundred times as long
         axes.yaxis.set_visible(False)
         axes.hlines(
-            range(len(trials)), 0.0, 1.0, transform=axes.get_yaxis_transform(), color=GRID,
-            linewidth=0.6, zorder=0.5,
-        )  # fmt: skip
+            range(len(trials)),
+            0.0,
+            1.0,
+            transform=axes.get_yaxis_transform(),
+            color=GRID,
+            linewidth=0.6,
+            zorder=0.5,
+        )
     for axes, name in zip(panels.flat, names, strict=False):
         figures.dress(axes, "")
         figures.heading(axes, name)
@@ -69,9 +76,14 @@ def _mark(axes: Axes, trials: Mapping[int, ParameterEstimate], agreed: bool) -> 
     low, high = np.array([_within(p) for p in known.values()]).reshape(-1, 2).T
     axes.hlines(list(known), low, high, [INK if s else GREY for s in sure], linewidth=1.6)
     axes.scatter(
-        [p.value for p in trials.values()], list(trials), s=3.5**2, edgecolors=INK, linewidths=0.8,
-        facecolors=[INK if place in known else "white" for place in trials], zorder=2.5,
-    )  # fmt: skip
+        [p.value for p in trials.values()],
+        list(trials),
+        s=3.5**2,
+        edgecolors=INK,
+        linewidths=0.8,
+        facecolors=[INK if place in known else "white" for place in trials],
+        zorder=2.5,
+    )
 
 
 def _within(p: ParameterEstimate) -> tuple[float, float]:

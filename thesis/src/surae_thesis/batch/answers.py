@@ -130,23 +130,46 @@ def _summary(o: Outcomes) -> Table:
     for way in o.ways:
         for protocol in o.protocols:
             fits = [fit for _, fit in o.fits(way, protocol)]
-            vaf, valid = o.vaf(way, protocol).values(), o.predicted(way, protocol).values()
+            vaf = o.vaf(way, protocol).values()
+            valid = o.predicted(way, protocol).values()
             free = [p for fit in fits for p in fit["parameters"].values()]
             relative = [100 * p["sem"] / abs(p["value"]) for p in free if p["sem"] and p["value"]]
             ratios = [median(v) for v in o.snsem(way, protocol).values() if v]
-            rows.append((
-                way, protocol, len(fits), _of(vaf, fmean), _of(vaf, min),
-                _of(valid, fmean), _of(valid, min), _of(relative, median), _of(ratios, median),
-                _of((f["ipde"] for f in fits if f["ipde"] is not None), median),
-                _of((100.0 * (f["grade"] == "adequate") for f in fits), fmean),
-                _of((f["seconds"] for f in fits), fmean),
-            ))  # fmt: skip
+            rows.append(
+                (
+                    way,
+                    protocol,
+                    len(fits),
+                    _of(vaf, fmean),
+                    _of(vaf, min),
+                    _of(valid, fmean),
+                    _of(valid, min),
+                    _of(relative, median),
+                    _of(ratios, median),
+                    _of((f["ipde"] for f in fits if f["ipde"] is not None), median),
+                    _of((100.0 * (f["grade"] == "adequate") for f in fits), fmean),
+                    _of((f["seconds"] for f in fits), fmean),
+                )
+            )
     return Table(
-        "batch-summary", "By model and protocol",
-        ("model", "protocol", "fits", "VAF, mean [%]", "lowest", "validation VAF, mean [%]",
-         "lowest ", "SEM, median [%]", "snSEM, median", "IPDE, median", "adequate [%]",
-         "seconds a fit"), tuple(rows),
-    )  # fmt: skip
+        "batch-summary",
+        "By model and protocol",
+        (
+            "model",
+            "protocol",
+            "fits",
+            "VAF, mean [%]",
+            "lowest",
+            "validation VAF, mean [%]",
+            "lowest ",
+            "SEM, median [%]",
+            "snSEM, median",
+            "IPDE, median",
+            "adequate [%]",
+            "seconds a fit",
+        ),
+        tuple(rows),
+    )
 
 
 def _parameters(o: Outcomes) -> Table:
@@ -170,14 +193,28 @@ def _parameters(o: Outcomes) -> Table:
                     if len(v) > 1 and fmean(v)
                 ]
                 told = verdicts[name]
-                rows.append((
-                    way, protocol, name, _of((fmean(v) for v in by_subject.values()), median),
-                    _of(repeat, median), _of(ratios.get(name, ()), median),
-                    _of((100.0 * (v == "identified") for v in told), fmean),
-                    _of((100.0 * (v == "at-bound") for v in told), fmean),
-                ))  # fmt: skip
-    columns = ("model", "protocol", "parameter", "median", "between repetitions, CV [%]",
-               "snSEM, median", "identified [%]", "at bound [%]")  # fmt: skip
+                rows.append(
+                    (
+                        way,
+                        protocol,
+                        name,
+                        _of((fmean(v) for v in by_subject.values()), median),
+                        _of(repeat, median),
+                        _of(ratios.get(name, ()), median),
+                        _of((100.0 * (v == "identified") for v in told), fmean),
+                        _of((100.0 * (v == "at-bound") for v in told), fmean),
+                    )
+                )
+    columns = (
+        "model",
+        "protocol",
+        "parameter",
+        "median",
+        "between repetitions, CV [%]",
+        "snSEM, median",
+        "identified [%]",
+        "at bound [%]",
+    )
     title = "Parameters: median of subjects, and how well they repeat"
     return Table("batch-parameters", title, columns, tuple(rows), long=True)
 
@@ -203,24 +240,36 @@ def _figures(o: Outcomes) -> Iterator[Drawing]:
     """Figures 17, 23 and 32; 29 and 35; 30; 21, 22, 26, 27, 33 and 34; 40 of the thesis."""
     boxes = [
         ("vaf", "VAF of the fits", "as Figures 17, 23 and 32", o.vaf),
-        ("validation", "VAF of repetitions that the first one predicts", "as Figures 29 and 35",
-         o.predicted),
-    ]  # fmt: skip
+        (
+            "validation",
+            "VAF of repetitions that the first one predicts",
+            "as Figures 29 and 35",
+            o.predicted,
+        ),
+    ]
     for way in o.ways:
         for name, title, like, points in boxes:
-            yield from _boxes(f"batch-{name}-{_file(way)}", f"Model {way}: {title}", like,
-                              {p: points(way, p) for p in o.protocols})  # fmt: skip
+            yield from _boxes(
+                f"batch-{name}-{_file(way)}",
+                f"Model {way}: {title}",
+                like,
+                {p: points(way, p) for p in o.protocols},
+            )
         across = {
             f"{target} from {p}": o.predicted(way, p, target)
             for p in o.protocols
             for target in o.protocols
             if target != p
         }
-        yield from _boxes(f"batch-across-{_file(way)}",
-                          f"Model {way}: VAF of other protocols that the first repetition predicts",
-                          "as Figure 30", across)  # fmt: skip
+        yield from _boxes(
+            f"batch-across-{_file(way)}",
+            f"Model {way}: VAF of other protocols that the first repetition predicts",
+            "as Figure 30",
+            across,
+        )
         for protocol in o.protocols:
-            ratios, fits = o.snsem(way, protocol), sum(1 for _ in o.fits(way, protocol))
+            ratios = o.snsem(way, protocol)
+            fits = sum(1 for _ in o.fits(way, protocol))
             if any(ratios.values()):
                 without = {name: fits - len(values) for name, values in ratios.items()}
                 yield Drawing(
@@ -229,7 +278,7 @@ def _figures(o: Outcomes) -> Iterator[Drawing]:
                     "Standard error of every recording over the mean of the simulations.",
                     f"Box plots of snSEM by parameter, model {way}, {protocol}.",
                     snsem_figure({n: v for n, v in ratios.items() if v}, without),
-                )  # fmt: skip
+                )
     for protocol in o.protocols:
         several = o.spectra(protocol)
         if several:
@@ -241,7 +290,7 @@ def _figures(o: Outcomes) -> Iterator[Drawing]:
                 "says how far they lie apart.",
                 f"Power density of the torque of {len(several[subject])} repetitions.",
                 spectra_figure([(FREQUENCIES[: len(p)], p) for p in several[subject]]),
-            )  # fmt: skip
+            )
 
 
 def _boxes(
@@ -254,10 +303,13 @@ def _boxes(
     low = max(0.0, 10.0 * np.floor(least / 10.0))
     boxes = [Box(label.replace(" from ", "\nfrom "), points) for label, points in some.items()]
     yield Drawing(
-        name, f"{title} ({like})",
+        name,
+        f"{title} ({like})",
         "Boxes: 25th to 75th percentile, whiskers to 1.5 times their distance, every recording a "
-        "dot.", f"Box plots of VAF: {', '.join(some)}.", vaf_figure(boxes, low),
-    )  # fmt: skip
+        "dot.",
+        f"Box plots of VAF: {', '.join(some)}.",
+        vaf_figure(boxes, low),
+    )
 
 
 def _file(text: str) -> str:

@@ -26,23 +26,44 @@ _MODELS = "1.0,2.0,2.1,2.2"
 @click.argument("recordings", metavar="FILES|DIR…", nargs=-1, required=True)
 @MAPPING
 @corrections
-@click.option("--models", default=_MODELS, show_default=True, metavar="LIST",
-              help="By the thesis's number or by name, auto too.")  # fmt: skip
-@click.option("--fixed-set", multiple=True, metavar="NAME=VALUE,…",
-              help="Fit again with these fixed, as beta=1,m=2; may be repeated.")  # fmt: skip
-@click.option("--name", metavar="PATTERN", default="",
-              help="How paths are named, as {subject}/{protocol}-{repetition}.  "
-              "[default: subject first, repetition last, between / or _]")  # fmt: skip
+@click.option(
+    "--models",
+    default=_MODELS,
+    show_default=True,
+    metavar="LIST",
+    help="By the thesis's number or by name, auto too.",
+)
+@click.option(
+    "--fixed-set",
+    multiple=True,
+    metavar="NAME=VALUE,…",
+    help="Fit again with these fixed, as beta=1,m=2; may be repeated.",
+)
+@click.option(
+    "--name",
+    metavar="PATTERN",
+    default="",
+    help="How paths are named, as {subject}/{protocol}-{repetition}.  "
+    "[default: subject first, repetition last, between / or _]",
+)
 @settings_options(FitSettings)
 @click.option("--store", required=True, metavar="B.db", help="Keeps every finished fit.")
 @click.option("--output", required=True, metavar="OUT/", help="Folder of tables and page.")
 @workers_option("Fits", many="one for each core")
 @DASK
 def command(
-    recordings: tuple[str, ...], mapping: str | None, models: str, fixed_set: tuple[str, ...],
-    name: str, store: str, output: str, workers: int | None, dask: str | None,
-    options: dict[str, Any], corrections: dict[str, Any],
-) -> None:  # fmt: skip
+    recordings: tuple[str, ...],
+    mapping: str | None,
+    models: str,
+    fixed_set: tuple[str, ...],
+    name: str,
+    store: str,
+    output: str,
+    workers: int | None,
+    dask: str | None,
+    options: dict[str, Any],
+    corrections: dict[str, Any],
+) -> None:
     """Fit every recording of a cohort by several models, and let each predict its subject's others.
 
     A file's name says whose it is, which protocol and which repetition, as S01_holds_2.mat or
@@ -90,9 +111,13 @@ def command(
     summary = result.tables[0]
     show_table(
         summary.columns[:7],
-        [tuple("–" if c is None else f"{c:.1f}" if isinstance(c, float) else str(c) for c in r[:7])
-         for r in summary.rows],
-    )  # fmt: skip
+        [
+            tuple(
+                "–" if c is None else f"{c:.1f}" if isinstance(c, float) else str(c) for c in r[:7]
+            )
+            for r in summary.rows
+        ],
+    )
     show_line(f"page: {shown(write_result(Path(output), 'batch', 'A cohort, fitted', result))}")
     show_line(f"table: {shown(Path(output) / 'table.csv')}")
     if all(fit.get("failed") for label, fit in outcomes if label["kind"] == "fit"):

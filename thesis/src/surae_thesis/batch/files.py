@@ -98,9 +98,11 @@ def _read(label: str, pattern: str) -> tuple[str, str, int]:
     if pattern:
         return _matched(label, pattern)
     parts = [part for part in _BETWEEN.split(label) if part]
-    number, last = 1, _REPETITION.fullmatch(parts[-1])
+    number = 1
+    last = _REPETITION.fullmatch(parts[-1])
     if last and len(parts) > 1:
-        number, word = int(last["number"]), last["word"].rstrip("-")
+        number = int(last["number"])
+        word = last["word"].rstrip("-")
         parts[-1:] = [] if word.lower() in _WORDS else [word]
     return parts[0], "_".join(parts[1:]) or "trial", number
 
@@ -121,7 +123,8 @@ def _matched(label: str, pattern: str) -> tuple[str, str, int]:
 
 def content_of(path: PathLike, mapping: PathLike | None) -> str:
     """What a recording's numbers depend on: its files, and the mapping that describes them."""
-    files, source = [Path(path)], open_source(path)
+    files = [Path(path)]
+    source = open_source(path)
     if mapping is not None:
         description = Description.of(open_source(mapping))
         if description.patterns:

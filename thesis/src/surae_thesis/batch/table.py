@@ -113,7 +113,7 @@ def run_batch(
     store: BatchStore,
     engine: Engine,
     progress: Callable[[int, int], None] | None = None,
-) -> int:  # fmt: skip
+) -> int:
     """Compute what a store lacks of a batch; how many calls were made now.
 
     Raises
@@ -121,9 +121,11 @@ def run_batch(
     InputError, ComputationError
         A file, the store or the engine cannot be used; what is finished is kept.
     """
-    mapping, program = batch.read["mapping"], fingerprint()
+    mapping = batch.read["mapping"]
+    program = fingerprint()
     content = {t.path: content_of(t.path, mapping) for t in batch.trials}
-    labels, calls = [], {}
+    labels = []
+    calls = {}
     for label, function, keywords in batch.calls():
         paths = [
             keywords["where"]["path"],
@@ -164,9 +166,12 @@ def table(
         for name, p in fit.get("parameters", {}).items():
             low, high = p["ci95"] or (None, None)
             values |= dict(
-                zip((name + end for end in ends), (p["value"], p["sem"], low, high, p["verdict"]),
-                    strict=True)
-            )  # fmt: skip
+                zip(
+                    (name + end for end in ends),
+                    (p["value"], p["sem"], low, high, p["verdict"]),
+                    strict=True,
+                )
+            )
         rows.append(tuple(values.get(column) for column in columns))
     return columns, rows
 

@@ -19,9 +19,14 @@ from typing import Any
 
 #: In the order in which they are counted.
 VERDICTS = (
-    "holds", "holds under a reading", "holds with the thesis's integrator",
-    "same direction, smaller", "calibrated", "differs", "cannot be checked",
-)  # fmt: skip
+    "holds",
+    "holds under a reading",
+    "holds with the thesis's integrator",
+    "same direction, smaller",
+    "calibrated",
+    "differs",
+    "cannot be checked",
+)
 #: The view that is the thesis's own way to integrate and to fit, where we have another.
 INTEGRATOR = "the thesis's integrator"
 #: What a second look at a claim that differs found: the thesis contradicts itself or is wrong; its
@@ -137,7 +142,8 @@ def judge(claim: Claim, views: Mapping[str, Any]) -> JudgedClaim:
     """
     names = [name for name in claim.views if name in views] if claim.views else list(views)
     rulings: dict[str, tuple[bool, str]] = {}
-    missing, less = "it was not computed", False
+    missing = "it was not computed"
+    less = False
     for name in names:
         try:
             ruling = claim.ours(views[name])
@@ -158,13 +164,15 @@ def judge(claim: Claim, views: Mapping[str, Any]) -> JudgedClaim:
     elif reading in holding:
         verdict = said = "holds"
     elif others:
-        verdict, said = "holds under a reading", f"holds under {' and '.join(others)}"
+        verdict = "holds under a reading"
+        said = f"holds under {' and '.join(others)}"
     elif holding:
         verdict = said = "holds with the thesis's integrator"
     elif less:
         verdict = said = "same direction, smaller"
     else:
-        verdict, said = "differs", f"differs: {claim.cause}" if claim.cause else "differs"
+        verdict = "differs"
+        said = f"differs: {claim.cause}" if claim.cause else "differs"
     if claim.note and reading in rulings:
         with suppress(NotThereError):
             reason = f"{claim.note(views[reading], claim)} {reason}"

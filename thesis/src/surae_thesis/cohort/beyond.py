@@ -16,14 +16,28 @@ from surae_thesis.section import Context, Result, Table
 
 #: The thesis's ways, of one recording of the multiple holds; and our best.
 SINGLE = {"1.0 alone": "1.0", "2.0 alone": "2.0", "2.1 alone": "2.1"}
-BEST, RIGID, ELASTIC = "joint + tendons", "1.0 alone", "2.0 alone"
+BEST = "joint + tendons"
+RIGID = "1.0 alone"
+ELASTIC = "2.0 alone"
 #: An estimate is right within this part of the truth (4.1), and precise below this standard error.
-RIGHT, PRECISE = 0.10, 0.05
+RIGHT = 0.10
+PRECISE = 0.05
 #: A fit as good as those of the thesis's simulations (2.7) [%].
 IDEAL = 99.85
 #: Parameters whose truth all ways share.
-SHARED = ("m", "k_tri", "k_tib", "x0_tri", "x0_tib", "tau_rel", "k_rel", "l0_tri", "l0_tib", "f0",
-          "beta")  # fmt: skip
+SHARED = (
+    "m",
+    "k_tri",
+    "k_tib",
+    "x0_tri",
+    "x0_tib",
+    "tau_rel",
+    "k_rel",
+    "l0_tri",
+    "l0_tib",
+    "f0",
+    "beta",
+)
 EVERY = (*SHARED, "dlt_tri", "dlt_tib", "pt_tri", "pt_tib")
 #: Rate of the joint fits [Hz].
 _RATE_HZ = 128.0
@@ -83,14 +97,15 @@ class Numbers:
 
 def run(context: Context) -> Result:
     """Fit the cohort our way and compare with the truth, and with the thesis's way."""
-    fits, size = thesis_fits(context).cohort, Size.of(context)
+    fits = thesis_fits(context).cohort
+    size = Size.of(context)
     kept = {"seed": size.seed, "repetitions": size.repetitions, "rate_hz": _RATE_HZ}
     jobs = {who.id: {**kept, "member": n} for n, who in enumerate(fits.members[: size.joint])}
     joint = context.calls("cohort-joint", work.joint_job, jobs, also=MADE_BY)
     ways = {
         name: Way([f for _, r, f in fits.of(m, ACTIVE_PROTOCOL) if r == 1])
         for name, m in SINGLE.items()
-    }  # fmt: skip
+    }
     ways |= {n: Way([fit[n] for fit in joint.values()]) for n in work.JOINT}
     numbers = Numbers(fits, ways)
     return Result(
@@ -151,7 +166,8 @@ def _coverage(n: Numbers) -> str:
 
 def several(n: Numbers) -> Ruling:
     """What free tendon parameters add to the VAF, and whether one start suffices."""
-    free, fixed = n.ways[BEST], n.ways["joint 2.0"]
+    free = n.ways[BEST]
+    fixed = n.ways["joint 2.0"]
     if not free.fits:
         raise NotThereError("The joint fits are not computed.")
     gain = free.vaf - fixed.vaf
@@ -175,19 +191,30 @@ def equally_good(n: Numbers) -> Ruling:
 def _ways_table(ways: Mapping[str, Way]) -> Table:
     rows = []
     for name, way in ways.items():
-        errors, (ours, count) = way.errors(SHARED), way.covered(ours=True)
+        errors = way.errors(SHARED)
+        (ours, count) = way.covered(ours=True)
         numbers = [
-            way.vaf, 100 * float(np.median(errors)), 100 * float(np.mean(errors <= RIGHT)),
-            100 * way.covered(ours=False)[0], 100 * ours, count, 100 * way.first_start,
-        ]  # fmt: skip
+            way.vaf,
+            100 * float(np.median(errors)),
+            100 * float(np.mean(errors <= RIGHT)),
+            100 * way.covered(ours=False)[0],
+            100 * ours,
+            count,
+            100 * way.first_start,
+        ]
         rows.append((name, *(None if np.isnan(v) else round(v, 2) for v in numbers)))
     return Table(
         name="beyond-ways",
         title="Ways to fit the cohort, medians over subjects",
         columns=(
-            "way", "VAF of the fit [%]", "error of shared parameters [%]", "within 10 % [%]",
-            "truth in interval (34) [%]", "truth in our interval [%]", "intervals",
+            "way",
+            "VAF of the fit [%]",
+            "error of shared parameters [%]",
+            "within 10 % [%]",
+            "truth in interval (34) [%]",
+            "truth in our interval [%]",
+            "intervals",
             "default start suffices [%]",
         ),
         rows=tuple(rows),
-    )  # fmt: skip
+    )

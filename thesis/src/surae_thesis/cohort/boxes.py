@@ -49,14 +49,24 @@ def vaf_figure(
     for at, box in enumerate(boxes):
         _box(axes, at, list(box.points.values()))
         for noted, marker, label in (
-            (False, "o", "a recording"), (True, "x", "knee moves or ankle misaligned"),
-        ):  # fmt: skip
+            (False, "o", "a recording"),
+            (True, "x", "knee moves or ankle misaligned"),
+        ):
             if noted and not remarked:
                 continue
             values = [v for (who, _), v in box.points.items() if (who in remarked) == noted]
             places = at + np.linspace(-0.2, 0.2, max(len(values), 1))[: len(values)]
-            axes.plot(places, values, marker, color=MUTED, markersize=3.6, label=label,
-                      markerfacecolor="none", markeredgewidth=0.7, zorder=3)  # fmt: skip
+            axes.plot(
+                places,
+                values,
+                marker,
+                color=MUTED,
+                markersize=3.6,
+                label=label,
+                markerfacecolor="none",
+                markeredgewidth=0.7,
+                zorder=3,
+            )
         if box.thesis is not None:
             axes.plot([at + 0.38], [box.thesis], "<", color=INK, label="thesis's mean")
         below = sum(value < low for value in box.points.values())
@@ -102,7 +112,13 @@ def _name(axes: Axes, labels: Sequence[str], rotation: int = 0) -> None:
 def _box(axes: Axes, at: float, values: Sequence[float]) -> None:
     if len(values):
         axes.boxplot(
-            [values], positions=[at], widths=0.55, showmeans=True, meanline=True,
-            medianprops=_MEDIAN, meanprops=_MEAN, boxprops={"color": BLUE, "linewidth": 1.1},
+            [values],
+            positions=[at],
+            widths=0.55,
+            showmeans=True,
+            meanline=True,
+            medianprops=_MEDIAN,
+            meanprops=_MEAN,
+            boxprops={"color": BLUE, "linewidth": 1.1},
             flierprops={"marker": "+", "markeredgecolor": RED, "markersize": 5},
-        )  # fmt: skip
+        )

@@ -44,7 +44,9 @@ from surae_thesis.cohort.imperfections import CohortImperfections
 from surae_thesis.legs import protocol, thesis_leg
 
 #: Subjects of the thesis, how many of them are women, their ages [years] (2.6).
-SUBJECTS, WOMEN, AGES = 14, 4, (20, 30)
+SUBJECTS = 14
+WOMEN = 4
+AGES = (20, 30)
 #: Repetitions of each protocol (3.2.3).
 REPETITIONS = 3
 #: The protocols in the thesis's order, and how many of the subjects completed each (Table 3).
@@ -107,9 +109,12 @@ class CohortSubject:
 
 
 def make_cohort(
-    seed: int = 1, subjects: int = SUBJECTS, gain: float = GAIN, quiet: float = QUIET,
+    seed: int = 1,
+    subjects: int = SUBJECTS,
+    gain: float = GAIN,
+    quiet: float = QUIET,
     measured: bool = True,
-) -> tuple[CohortSubject, ...]:  # fmt: skip
+) -> tuple[CohortSubject, ...]:
     """The first subjects of the cohort of a seed.
 
     The gain from EMG to torque varies by `gain`, the torque's noise is the part `quiet` of the
@@ -172,7 +177,8 @@ def _member(
     misaligned = uniform("misaligned", 0.0, 1.0) < _ODD
     flexible = uniform("flexible", 0.0, 1.0) < _ODD
     imperfections = CohortImperfections(
-        **asdict(usual) | {
+        **asdict(usual)
+        | {
             "axis_up": uniform("high axis", 0.012, 0.020) if misaligned else usual.axis_up,
             "knee_motion": uniform("moving knee", 0.08, 0.15) if flexible else usual.knee_motion,
             "reflex_gain": uniform("reflex", 0.02, 0.10),
@@ -180,7 +186,7 @@ def _member(
         },
         unmeasured=uniform("unmeasured", 0.10, 0.20),
         gain_variation=gain,
-    )  # fmt: skip
+    )
     return CohortSubject(
         id=f"S{number + 1:02d}",
         sex=sex,

@@ -26,7 +26,9 @@ from surae_thesis.cohort.trials import RECORDED_HZ, cohort_recording
 COHORT = "the cohort"
 #: A difference has the thesis's size from this part of it, up to one over it; a standard error so
 #: much lower than another is a lot lower, and so near to a printed one has its size.
-SIZE, MUCH, NEAR = 0.5, 0.5, 3.0
+SIZE = 0.5
+MUCH = 0.5
+NEAR = 3.0
 #: The two groups whose dependency the thesis looks at (4.2.2), and the weights of the EMG.
 PASSIVE = ("k_tri", "k_tib", "x0_tri", "x0_tib", "tau_rel", "k_rel")
 ACTIVE = ("g1", "g2", "g3", "g4", "l0_tri", "l0_tib", "f0", "beta")
@@ -83,14 +85,20 @@ def _mean(points: Points) -> float:
 def lowest(fits: Fits, kind: str, model: str, protocol: str, least: float, within: float) -> Ruling:
     """The lowest VAF against the thesis's; at least that where nothing lies within it."""
     points = points_of(fits, kind, model, protocol)
-    text, low = described(points), float(values(points).min())
+    text = described(points)
+    low = float(values(points).min())
     return Ruling(low >= least if within == 0.0 else abs(low - least) <= within, text)
 
 
 def change(
-    fits: Fits, first: str, second: str, size: float, kind: str = "fit",
-    protocol: str = ACTIVE_PROTOCOL, similar: float = 0.0,
-) -> Ruling:  # fmt: skip
+    fits: Fits,
+    first: str,
+    second: str,
+    size: float,
+    kind: str = "fit",
+    protocol: str = ACTIVE_PROTOCOL,
+    similar: float = 0.0,
+) -> Ruling:
     """The mean change from a model to another, of the same recordings, against the thesis's.
 
     Or, where they are `similar`, whether neither mean nor median goes beyond so many points.
@@ -98,7 +106,8 @@ def change(
     several = paired(*(points_of(fits, kind, model, protocol) for model in (first, second)))
     if not len(several):
         raise NotThereError("No such fit is there.")
-    middle, mean = float(np.median(several)), float(several.mean())
+    middle = float(np.median(several))
+    mean = float(several.mean())
     text = (
         f"{mean:+.2f} points (mean), {middle:+.2f} (median); negative in "
         f"{100 * float(np.mean(several < 0.0)):.0f} % of {len(several)}"
@@ -171,7 +180,8 @@ def apart_from_others(fits: Fits, names: list[str], side: str) -> Ruling:
     others = [value for n, value in several.items() if n not in names]
     if not some or not others:
         raise NotThereError("No fit gives these standard errors.")
-    a, b = median(some), median(others)
+    a = median(some)
+    b = median(others)
     return Ruling(a > b if side == "above" else a < b, f"{a:.2g} against {b:.2g}")
 
 
@@ -192,11 +202,13 @@ def over_tendon(fits: Fits, model: str, weights_lower: bool) -> Ruling:
     some, tendon = (_medians(fits, name) for name in (model, "2.0"))
     ratio = {name: some[name] / tendon[name] for name in tendon if name in some}
     rest = median([r for name, r in ratio.items() if not weights_lower or name not in WEIGHTS])
-    text, holds = f"median ratio {rest:.2g}", 0.5 <= rest <= 2.0
+    text = f"median ratio {rest:.2g}"
+    holds = 0.5 <= rest <= 2.0
     if not weights_lower:
         return Ruling(holds, text)
     weights = median([ratio[name] for name in WEIGHTS if name in ratio])
-    text, most = f"{text}, of the weights {weights:.2g}", min(1.0, rest)
+    text = f"{text}, of the weights {weights:.2g}"
+    most = min(1.0, rest)
     return Ruling(
         holds and weights <= MUCH * most, text, less=holds and MUCH * most < weights < most
     )

@@ -29,14 +29,18 @@ RULES = "surae_thesis.cohort.rules"
 
 def run(context: Context) -> Result:
     """Fit the cohort as the thesis fitted its subjects, and judge its claims."""
-    ways, size = thesis_fits(context), Size.of(context)
+    ways = thesis_fits(context)
+    size = Size.of(context)
     views = {COHORT: ways.cohort, INTEGRATOR: ways.explicit}
     jobs = {who.id: {"seed": size.seed, "member": n} for n, who in enumerate(ways.few.members)}
     strengths = context.calls("cohort-strengths", work.strength_job, jobs, also=MADE_BY)
     figures = [
-        *vaf_drawings(ways.cohort), *trace_drawings(ways.cohort),
-        *snsem_drawings(ways.cohort), spectra_drawing(ways.cohort), integrator_drawing(ways),
-    ]  # fmt: skip
+        *vaf_drawings(ways.cohort),
+        *trace_drawings(ways.cohort),
+        *snsem_drawings(ways.cohort),
+        spectra_drawing(ways.cohort),
+        integrator_drawing(ways),
+    ]
     findings = judge_all("subjects", views, RULES)
     return Result(
         findings=findings,

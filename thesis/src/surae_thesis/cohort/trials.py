@@ -19,7 +19,8 @@ RECORDED_HZ = 2048.0
 #: The model that stands for the truth: every tendon parameter is the subject's own.
 TRUE_MODEL = "muscle-tendon"
 #: A repetition is redone, with less effort, when the device stops at its torque limit (4.4).
-_LESS, _ATTEMPTS = 0.85, 12
+_LESS = 0.85
+_ATTEMPTS = 12
 #: How late a subject follows the target that is shown [s].
 _LATE = (0.1, 0.4)
 

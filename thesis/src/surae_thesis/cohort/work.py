@@ -113,9 +113,13 @@ def _targets(protocol: str, repetitions: int) -> tuple[tuple[str, int], ...]:
 
 
 def _implicit(
-    subject: _Subject, model: str, protocol: str, r: int, targets: Sequence[tuple[str, int]],
+    subject: _Subject,
+    model: str,
+    protocol: str,
+    r: int,
+    targets: Sequence[tuple[str, int]],
     seed: int,
-) -> Plain:  # fmt: skip
+) -> Plain:
     inputs = subject.inputs(protocol, r, RATE_HZ)
     fit = surae.fit(inputs, model, starts=2, seed=seed, quality=())
     return fit_record(fit, subject.who, [(p, k, subject.inputs(p, k, RATE_HZ)) for p, k in targets])
@@ -165,9 +169,12 @@ def fit_record(
 
 
 def _explicit(
-    subject: _Subject, model: str, protocol: str, targets: Sequence[tuple[str, int]],
+    subject: _Subject,
+    model: str,
+    protocol: str,
+    targets: Sequence[tuple[str, int]],
     step: float | None = None,
-) -> Plain:  # fmt: skip
+) -> Plain:
     """A fit by the thesis's scheme in the same form."""
     inputs = subject.inputs(protocol, 1, EXPLICIT_HZ)
     fit, above = fit_explicit(inputs, model, **({} if step is None else {"step": step}))
@@ -184,7 +191,8 @@ def _explicit(
         "vaf": finite(fit["vaf"]),
         "parameters": {
             name: {
-                "value": value, "sem": finite(fit["sem"].get(name)),
+                "value": value,
+                "sem": finite(fit["sem"].get(name)),
                 "at_bound": name in fit["bounded"],
             }
             for name, value in fit["values"].items()
@@ -192,7 +200,7 @@ def _explicit(
         "correlation": fit["correlation"],
         "predicted": predicted,
         "sizes": {"short_at_peaks": _short(_measured(inputs), -above)},
-    }  # fmt: skip
+    }
 
 
 def joint_job(*, seed: int, member: int, repetitions: int, rate_hz: float) -> dict[str, Plain]:
@@ -218,7 +226,8 @@ def baseline_job(*, seed: int, protocol: str, model: str, subjects: int) -> dict
 
     That is the motion before it was adapted to the device: chirp of 0.2 rad and factor 0.5.
     """
-    trajectory, spec = motion(protocol, "part-passive", 0.2, 0.5, RATE_HZ), get_model(MODELS[model])
+    trajectory = motion(protocol, "part-passive", 0.2, 0.5, RATE_HZ)
+    spec = get_model(MODELS[model])
     errors: dict[str, list[float]] = {}
     for number in range(1, subjects + 1):
         drawn = thesis_leg(1_000_000 * seed + number, tendons=True)

@@ -51,17 +51,33 @@ def _grid(study: Study) -> Table:
     """Every fit of the grid."""
     names = tuple(study.grid[0].off)
     rows = tuple(
-        (c.model, c.profile, c.task, c.amplitude, c.factor, c.vaf, c.ipde,
-         *(c.sem.get(n) for n in names), *(c.off.get(n) for n in names))
+        (
+            c.model,
+            c.profile,
+            c.task,
+            c.amplitude,
+            c.factor,
+            c.vaf,
+            c.ipde,
+            *(c.sem.get(n) for n in names),
+            *(c.off.get(n) for n in names),
+        )
         for c in study.grid
-    )  # fmt: skip
+    )
     return Table(
         name="simulation-grid",
         title="All fits of the grid",
         columns=(
-            "model", "profile", "task", "chirp_amplitude", "chirp_factor", "vaf", "ipde",
-            *(f"{n}_sem" for n in names), *(f"{n}_error" for n in names),
+            "model",
+            "profile",
+            "task",
+            "chirp_amplitude",
+            "chirp_factor",
+            "vaf",
+            "ipde",
+            *(f"{n}_sem" for n in names),
+            *(f"{n}_error" for n in names),
         ),
         rows=rows,
         long=True,
-    )  # fmt: skip
+    )

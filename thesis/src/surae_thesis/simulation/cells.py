@@ -19,14 +19,17 @@ AMPLITUDES = (0.0, 0.1, 0.2, 0.3)
 FACTORS = tuple(round(0.05 + 0.025 * k, 3) for k in range(23))
 #: What the thesis chose (4.1.5).
 CHOSEN = ("multiple-holds", "multi-sine-holds")
-CHOSEN_AMPLITUDE, CHOSEN_FACTOR = 0.2, 0.5
+CHOSEN_AMPLITUDE = 0.2
+CHOSEN_FACTOR = 0.5
 #: Repeats of the noise, their amplitude and factors (3.1.4).
-REPEATS, NOISE_AMPLITUDE = 5, 0.1
+REPEATS = 5
+NOISE_AMPLITUDE = 0.1
 NOISE_FACTORS = tuple(factor for factor in FACTORS if factor >= 0.3)
 #: Faster chirps than the thesis's, by which a lowest value at its end is told from one before it.
 FASTER = tuple(round(0.65 + 0.05 * k, 3) for k in range(4))
 #: Readings of "5 % of the mean" of a torque that changes its sign, the first as it is written.
-SIGNED, MAGNITUDE = "the signed mean", "the mean magnitude"
+SIGNED = "the signed mean"
+MAGNITUDE = "the mean magnitude"
 #: The relaxation parameters, which the thesis treats apart.
 RELAXATION = ("tau_rel", "k_rel")
 
@@ -104,7 +107,8 @@ def with_magnitude(cell: GridCell) -> GridCell:
     do not depend on the size of the noise. Estimates stay as they were fitted.
     """
     magnitude, mean, rms = cell.torque
-    added, other = NOISE * mean, NOISE * magnitude
+    added = NOISE * mean
+    other = NOISE * magnitude
     rest = (1.0 - cell.vaf / 100.0) * (rms**2 + added**2)
     now = max(rest - added**2, 0.0) + other**2
     scale = float(np.sqrt(now / rest)) if rest > 0.0 else 1.0

@@ -11,7 +11,8 @@ from surae_thesis.simulation import cells as c
 from surae_thesis.simulation.cells import Study, cells, select, with_magnitude
 
 #: Virtual subjects on whom the grid's conclusions are tried again.
-SUBJECTS, _QUICK_SUBJECTS = 10, 3
+SUBJECTS = 10
+_QUICK_SUBJECTS = 3
 _QUICK_FACTORS = (0.05, 0.2, 0.35, 0.5, 0.6)
 
 Place = dict[str, Any]
@@ -20,10 +21,18 @@ Place = dict[str, Any]
 def place(model: str, profile: str, amplitude: float, factor: float | None, **others: Any) -> Place:
     """Where a fit is: `fit_cell`'s keywords but for the seed."""
     return {
-        "model": model, "profile": profile, "task": "part-passive", "amplitude": amplitude,
-        "factor": factor if amplitude else None, "population": "healthy", "subject": 1, "repeat": 1,
-        "explicit": False, "reading": "", **others,
-    }  # fmt: skip
+        "model": model,
+        "profile": profile,
+        "task": "part-passive",
+        "amplitude": amplitude,
+        "factor": factor if amplitude else None,
+        "population": "healthy",
+        "subject": 1,
+        "repeat": 1,
+        "explicit": False,
+        "reading": "",
+        **others,
+    }
 
 
 def _around(model: str, profiles: tuple[str, ...], factors: tuple[float, ...]) -> Iterator[Place]:
@@ -58,18 +67,22 @@ def places(quick: bool) -> dict[str, list[Place]]:
             for at in _around(m, c.CHOSEN, (*(factors if quick else c.FACTORS[::2]), *faster))
         ],
         "faster": [
-            place(m, p, c.CHOSEN_AMPLITUDE, s)
-            for p, s, m in product(c.PROFILES, faster, c.MODELS)
+            place(m, p, c.CHOSEN_AMPLITUDE, s) for p, s, m in product(c.PROFILES, faster, c.MODELS)
         ],
         "others": [
             {**at, "subject": n}
             for n in subjects
             for m in c.MODELS
             for at in [
-                *(place(m, p, c.CHOSEN_AMPLITUDE, c.CHOSEN_FACTOR, task=t)
-                  for p, t in product(c.PROFILES, c.TASKS)),
-                *(place(m, c.CHOSEN[0], a, c.CHOSEN_FACTOR)
-                  for a in c.AMPLITUDES if a != c.CHOSEN_AMPLITUDE),
+                *(
+                    place(m, p, c.CHOSEN_AMPLITUDE, c.CHOSEN_FACTOR, task=t)
+                    for p, t in product(c.PROFILES, c.TASKS)
+                ),
+                *(
+                    place(m, c.CHOSEN[0], a, c.CHOSEN_FACTOR)
+                    for a in c.AMPLITUDES
+                    if a != c.CHOSEN_AMPLITUDE
+                ),
             ]
         ],
         IN_TURN: [
@@ -81,8 +94,10 @@ def places(quick: bool) -> dict[str, list[Place]]:
             for n, p in product(subjects, c.PROFILES)
         ],
         EARLY: [
-            {**place(m, p, c.CHOSEN_AMPLITUDE, c.CHOSEN_FACTOR, subject=n, reading=EARLY),
-             "task": "active"}
+            {
+                **place(m, p, c.CHOSEN_AMPLITUDE, c.CHOSEN_FACTOR, subject=n, reading=EARLY),
+                "task": "active",
+            }
             for n, p, m in product(subjects[:3], c.PROFILES, c.MODELS)
         ],
         SLOW: [
@@ -93,12 +108,13 @@ def places(quick: bool) -> dict[str, list[Place]]:
             place("muscle-tendon", p, a, c.CHOSEN_FACTOR, explicit=True)
             for p, a in product(c.CHOSEN[:1] if quick else c.PROFILES, c.AMPLITUDES)
         ],
-    }  # fmt: skip
+    }
 
 
 def studies(context: Context) -> dict[str, Study]:
     """The cells under each reading, and as the thesis integrated."""
-    made, failed = {}, {}
+    made = {}
+    failed = {}
     for number, (name, some) in enumerate(places(context.quick).items()):
         jobs = {_label(at): {"seed": context.seed, **at} for at in some}
         fits = context.calls(f"simulation-{number}", fit_cell, jobs)

@@ -16,9 +16,12 @@ from surae_thesis.simulation import cells as grid
 from surae_thesis.simulation.cells import Cells, GridCell, Study, ranked, scores, select, there
 
 #: The thesis's limit of a good fit [%] (2.7, 4.1), and of a good estimate.
-GOOD_VAF, GOOD_ESTIMATE = 99.85, 0.10
+GOOD_VAF = 99.85
+GOOD_ESTIMATE = 0.10
 #: Factors up to and from which a SEM is slow's and fast's; "around" a factor of 0.5.
-_SLOW, _FAST, _NEAR = 0.1, 0.5, (0.4, 0.6)
+_SLOW = 0.1
+_FAST = 0.5
+_NEAR = (0.4, 0.6)
 #: The largest amplitude of which the thesis keeps the muscle-tendon model's fits [rad] (4.1.3).
 _KEPT = 0.2
 #: Profiles that have results of both models: the tendon model's multi-sine was omitted (4.1.3).
@@ -26,7 +29,8 @@ BOTH = tuple(name for name in grid.PROFILES if name != "multi-sine")
 #: What the choices are made of: both models with both chosen profiles.
 _CHOSEN_FITS = tuple(itertools.product(grid.MODELS, grid.CHOSEN))
 #: Ratio of SEM and difference of IPDE from which they are not the noise's (3.1.4).
-SAME_SEM, SAME_IPDE = 1.0375, 0.02
+SAME_SEM = 1.0375
+SAME_IPDE = 0.02
 
 
 def _profiles(model: str) -> tuple[str, ...]:
@@ -58,7 +62,9 @@ def again(study: Study, claim: Claim) -> str:
 def muscle_vaf(study: Study, expected: float, around: float) -> Ruling:
     """VAF of the muscle model over its cells."""
     values = np.array([cell.vaf for cell in there(study.grid, model="muscle")])
-    middle, low, high = float(np.median(values)), float(values.min()), float(values.max())
+    middle = float(np.median(values))
+    low = float(values.min())
+    high = float(values.max())
     text = f"median {middle:.3f} %, {low:.3f} to {high:.3f} %"
     return Ruling(abs(middle - expected) <= around and low >= GOOD_VAF, text)
 
@@ -69,7 +75,8 @@ def tendon_vaf(study: Study, expected: float, around: float) -> Ruling:
     kept = [c.vaf for c in every if c.profile != "multi-sine" and c.amplitude <= _KEPT]
     if not kept:
         raise NotThereError("no such fit is there")
-    middle, whole = float(np.median(kept)), float(np.median([cell.vaf for cell in every]))
+    middle = float(np.median(kept))
+    whole = float(np.median([cell.vaf for cell in every]))
     text = f"median {middle:.3f} % of {len(kept)} cells; {whole:.3f} % of all {len(every)}"
     return Ruling(abs(middle - expected) <= around, text)
 
@@ -201,7 +208,8 @@ def factor_sem(study: Study) -> Ruling:
 def factor_sem_tendon(study: Study) -> Ruling:
     """Muscle-tendon model: the same, on the mean."""
     ratio = _fast_over_slow(study, "muscle-tendon")
-    order, middle = ranked(ratio), float(np.mean(list(ratio.values())))
+    order = ranked(ratio)
+    middle = float(np.mean(list(ratio.values())))
     text = f"fast over slow: mean {middle:.2f}, {listed(ratio, order[:3])}"
     return Ruling(middle < 1.0 and order[0] == "m", text)
 
@@ -295,7 +303,8 @@ def ipde_tendon(study: Study, names: list[str], same: float) -> Ruling:
 
 def ipde_factor(study: Study, model: str) -> Ruling:
     """The factor of the lowest IPDE, by profile, and how far it lies below those around 0.5."""
-    lowest, below = {}, []
+    lowest = {}
+    below = []
     for profile in _profiles(model):
         line = grid.along_factor(study.grid + study.faster, model, profile)
         ipde = {c.factor or 0.0: c.ipde for c in line if c.ipde is not None}
@@ -351,7 +360,8 @@ def _factor_curves(cells: Cells) -> tuple[FloatArray, FloatArray, float, bool]:
 
 def patient_profiles(study: Study, best: list[str]) -> Ruling:
     """Whether the same profiles rank first in the patient and in health."""
-    sick, healthy = mean_ranks(study.patients), mean_ranks(study.grid)
+    sick = mean_ranks(study.patients)
+    healthy = mean_ranks(study.grid)
     both = all(set(ranked(ranks)[: len(best)]) == set(best) for ranks in (sick, healthy))
     return Ruling(both, f"mean ranks {listed(sick)}; in health {listed(healthy)}")
 

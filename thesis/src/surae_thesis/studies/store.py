@@ -137,9 +137,13 @@ class Finished:
 
 
 def run_study(
-    study: Study, store: Store, *, engine: Engine | None = None, progress: Progress | None = None,
+    study: Study,
+    store: Store,
+    *,
+    engine: Engine | None = None,
+    progress: Progress | None = None,
     retry: bool = False,
-) -> Finished:  # fmt: skip
+) -> Finished:
     """Compute what a store lacks of a study.
 
     Parameters

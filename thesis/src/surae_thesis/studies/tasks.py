@@ -147,7 +147,8 @@ def _fit(task: FitTask) -> TaskOutcome:
     from surae.studies.populations import virtual_subject
     from surae.studies.virtual import virtual_trial
 
-    options, spec = ModelOptions.of(**dict(task.options)), get_model(task.model)
+    options = ModelOptions.of(**dict(task.options))
+    spec = get_model(task.model)
     drawn = virtual_subject(_SUBJECTS * task.seed + task.subject, task.population, tendons=True)
     # A tendon of the subject's own only where it is estimated: what is fixed is fixed rightly.
     own = {name: value for name, value in drawn.tendons.items() if name in spec.free}
@@ -155,9 +156,13 @@ def _fit(task: FitTask) -> TaskOutcome:
     # Another noise in every motion, effort and repeat; models and their options share it.
     cell = [task.protocol, task.task, task.chirp_amplitude, task.chirp_rate, task.rate_hz]
     trial = virtual_trial(
-        subject, _trajectory(task), model=task.model, options=options, noise=task.noise,
+        subject,
+        _trajectory(task),
+        model=task.model,
+        options=options,
+        noise=task.noise,
         seed=zlib.crc32(json.dumps([*cell, task.repeat]).encode()),
-    )  # fmt: skip
+    )
     settings = FitSettings(task.fitted or task.model, options, starts=task.starts, seed=task.seed)
     result = solve(make_problem([trial], settings))
     if result.solution.is_interrupted:
@@ -165,13 +170,16 @@ def _fit(task: FitTask) -> TaskOutcome:
     assessment = assess(result)
     truth = subject.truth(task.model, options)
     return TaskOutcome(
-        result.status, result.message, assessment.vaf, assessment.ipde,
+        result.status,
+        result.message,
+        assessment.vaf,
+        assessment.ipde,
         tuple(
             TaskEstimate(name, p.value, p.sem, truth[name])
             for name, p in assessment.parameters.items()
             if p.free and name in truth  # of `auto` the laboratory's are not
         ),
-    )  # fmt: skip
+    )
 
 
 def _trajectory(task: FitTask) -> Trajectory:

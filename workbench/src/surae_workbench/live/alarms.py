@@ -20,32 +20,44 @@ from surae_workbench.live.showing import Roles
 from surae_workbench.live.stream import Stream
 
 #: Signals are looked at this often, over windows of this length [s].
-EVERY, _WINDOW = 0.25, 1.0
+EVERY = 0.25
+_WINDOW = 1.0
 #: Looks that a fault has to be there for, and to be gone for before it is told again.
-_SEEN, _GONE = 2, 8
+_SEEN = 2
+_GONE = 8
 _AT_ONCE = ("torque-limit", "speed-limit", "angle-range")
 #: Looks of which an effort is judged: a reaction to what is asked takes half a second.
 _EFFORT_LOOKS = 6
 #: What a signal usually is, is known after so many looks; so many are remembered.
-_KNOWN, _REMEMBERED = 8, 480
+_KNOWN = 8
+_REMEMBERED = 480
 #: Level of EMG below this part of what it is at rest: amplifiers' noise alone is more.
 _SILENT = 0.05
 #: Samples at the very end of the range, so many times as many as beside it, of so many different
 #: values: a signal of a few steps of its converter is not clipped (`surae.quality.emg`).
-_CLIPPED, _EXCESS, _VALUES = 5, 1.0, 50
+_CLIPPED = 5
+_EXCESS = 1.0
+_VALUES = 50
 #: Part of the power that is mains, in each half of the window, where there is no muscle; and how
 #: many times what it was. Louder than the muscle ever was, the electrode is off.
-_MAINS, _SHARE, _TIMES = (50.0, 60.0), 0.5, 3.0
+_MAINS = (50.0, 60.0)
+_SHARE = 0.5
+_TIMES = 3.0
 #: Steps of the mean, in the muscle's largest level and in its level of rest.
-_OFFSET, _OFFSET_REST = 2.0, 20.0
+_OFFSET = 2.0
+_OFFSET_REST = 20.0
 #: Part of the device's limits from where on torque and speed are near them; and by how much a
 #: speed exceeds the one that was asked for, which the device had agreed to.
-_NEAR, _FASTER = 0.9, 1.05
+_NEAR = 0.9
+_FASTER = 1.05
 #: The angle may be this far beyond the range that was agreed [rad].
 _BEYOND = 0.035
 #: A muscle has worked where its level was so many times that of rest; effort where none is asked
 #: for, and none where some is, as a part of the largest so far.
-_WORKED, _TOO_MUCH, _ASKED, _NONE = 4.0, 0.3, 0.2, 0.05
+_WORKED = 4.0
+_TOO_MUCH = 0.3
+_ASKED = 0.2
+_NONE = 0.05
 _SIDES = (("ta", ("ta",)), ("triceps", ("gl", "sol", "gm")))
 
 _SILENCE = N_(
@@ -138,7 +150,8 @@ class Watch:
     def __init__(self, device: Device, span: tuple[float, float]) -> None:
         self.roles: Roles = {}
         self.speed = 0.0  #: Largest that was asked for [rad/s].
-        self._device, self._span = device, span
+        self._device = device
+        self._span = span
         self._signals: dict[str, _Signal] = {}
         self._targets: deque[FloatArray] = deque(maxlen=_EFFORT_LOOKS)
         self._efforts: deque[dict[str, float | None]] = deque(maxlen=_EFFORT_LOOKS)
@@ -183,7 +196,8 @@ class Watch:
         now_wrong = {(alarm.code, alarm.role): alarm for alarm in found}
         fresh = []
         for key, alarm in now_wrong.items():
-            self._seen[key], self._gone[key] = self._seen.get(key, 0) + 1, 0
+            self._seen[key] = self._seen.get(key, 0) + 1
+            self._gone[key] = 0
             if self._seen[key] >= (1 if alarm.code in _AT_ONCE else _SEEN):
                 if key not in self._active:
                     fresh.append(alarm)
@@ -201,39 +215,62 @@ class Watch:
             return
         last = window[-round(EVERY * self._signals[role].rate_hz) :]
         if role == "torque":
-            top, most = float(np.abs(last).max()), self._device.max_torque
+            top = float(np.abs(last).max())
+            most = self._device.max_torque
             if top >= _NEAR * most:
-                yield Alarm("torque-limit", role, N_(
-                    "The torque is {torque} Nm, {percent} % of what the device may: "
-                    "ask for less effort, and be ready to stop."
-                ), {"torque": f"{top:.0f}", "percent": f"{100 * top / most:.0f}"})  # fmt: skip
+                yield Alarm(
+                    "torque-limit",
+                    role,
+                    N_(
+                        "The torque is {torque} Nm, {percent} % of what the device may: "
+                        "ask for less effort, and be ready to stop."
+                    ),
+                    {"torque": f"{top:.0f}", "percent": f"{100 * top / most:.0f}"},
+                )
         elif role == "angle":
             yield from self._moving(last, self._signals[role].rate_hz)
 
     def _moving(self, angle: FloatArray, rate_hz: float) -> Iterator[Alarm]:
         step = max(round(0.03 * rate_hz), 1)
-        most, low, high = self._device.max_velocity, float(angle.min()), float(angle.max())
+        most = self._device.max_velocity
+        low = float(angle.min())
+        high = float(angle.max())
         if len(angle) > step:
             speed = float(np.abs(angle[step:] - angle[:-step]).max()) * rate_hz / step
             if speed >= _NEAR * most and speed >= _FASTER * self.speed:
                 given = {
-                    "speed": f"{np.degrees(speed):.0f}", "percent": f"{100 * speed / most:.0f}"
-                }  # fmt: skip
-                yield Alarm("speed-limit", "angle", N_(
-                    "The foot turns at {speed} °/s, {percent} % of what the device may: stop if "
-                    "nobody wanted that."
-                ), given)  # fmt: skip
+                    "speed": f"{np.degrees(speed):.0f}",
+                    "percent": f"{100 * speed / most:.0f}",
+                }
+                yield Alarm(
+                    "speed-limit",
+                    "angle",
+                    N_(
+                        "The foot turns at {speed} °/s, {percent} % of what the "
+                        "device may: stop if "
+                        "nobody wanted that."
+                    ),
+                    given,
+                )
         if low < self._span[0] - _BEYOND or high > self._span[1] + _BEYOND:
             beyond = low if low < self._span[0] else high
-            yield Alarm("angle-range", "angle", N_(
-                "The ankle is at {angle}°, beyond the range that was agreed: stop, and look at the "
-                "device’s zero."
-            ), {"angle": f"{np.degrees(beyond):.0f}"})  # fmt: skip
+            yield Alarm(
+                "angle-range",
+                "angle",
+                N_(
+                    "The ankle is at {angle}°, beyond the range that was agreed: "
+                    "stop, and look at the "
+                    "device’s zero."
+                ),
+                {"angle": f"{np.degrees(beyond):.0f}"},
+            )
 
     def _electrode(self, role: str, window: FloatArray) -> Iterator[Alarm]:
-        signal, muscle = self._signals[role], MUSCLE_NAMES[role[4:]]
+        signal = self._signals[role]
+        muscle = MUSCLE_NAMES[role[4:]]
         mean = float(window.mean())
-        low, high = float(window.min()), float(window.max())
+        low = float(window.min())
+        high = float(window.max())
         signal.raw |= low < -0.1 * high < 0.0
         signal.varied |= high > low
         level = float(window.std())
@@ -248,7 +285,8 @@ class Watch:
         elif _clipped(window, low, high, both=signal.raw):
             alarms.append(("clipped", _CLIPPING))
         elif signal.raw and alone and past is not None and hum > _TIMES * np.median(past[:, 1]):
-            most, rest = float(past[:, 0].max()), float(np.quantile(past[:, 0], 0.1))
+            most = float(past[:, 0].max())
+            rest = float(np.quantile(past[:, 0], 0.1))
             if hum > most > _WORKED * rest:
                 alarms.append(("electrode-off", _CAME_OFF))
             else:
@@ -270,7 +308,8 @@ class Watch:
         if signal is None or not signal.raw or len(signal.past) < _KNOWN:
             return None
         past = np.array([level for level, _, _ in signal.past])
-        rest, top = float(np.quantile(past, 0.1)), max(float(past.max()), signal.level)
+        rest = float(np.quantile(past, 0.1))
+        top = max(float(past.max()), signal.level)
         if top < _WORKED * rest:
             return 0.0 if signal.level < 2.0 * rest else None
         return (signal.level - rest) / (top - rest)

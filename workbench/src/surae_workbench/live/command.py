@@ -13,22 +13,59 @@ from surae_workbench.options import server_options
 @click.command("live")
 @click.option("--rehearse", is_flag=True, help="Practise with a simulated manipulator and leg.")
 @click.option("--unattended", is_flag=True, help="With --rehearse: no person and no browser.")
-@click.option("--trials", type=click.IntRange(1, 1000), default=1, show_default=True, metavar="N",
-              help="With --unattended: how many.")  # fmt: skip
-@click.option("--seconds", type=click.FloatRange(1.0, 3600.0), default=35.0, show_default=True,
-              metavar="S", help="With --unattended: how long each.")  # fmt: skip
-@click.option("--fault", "faults", multiple=True, metavar="KIND@SECONDS[@TRIAL]",
-              help="With --unattended: a fault, e.g. electrode-off@12.")  # fmt: skip
-@click.option("--seed", type=click.IntRange(0), default=1, show_default=True, metavar="N",
-              help="With --rehearse: whose leg it is.")  # fmt: skip
+@click.option(
+    "--trials",
+    type=click.IntRange(1, 1000),
+    default=1,
+    show_default=True,
+    metavar="N",
+    help="With --unattended: how many.",
+)
+@click.option(
+    "--seconds",
+    type=click.FloatRange(1.0, 3600.0),
+    default=35.0,
+    show_default=True,
+    metavar="S",
+    help="With --unattended: how long each.",
+)
+@click.option(
+    "--fault",
+    "faults",
+    multiple=True,
+    metavar="KIND@SECONDS[@TRIAL]",
+    help="With --unattended: a fault, e.g. electrode-off@12.",
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(0),
+    default=1,
+    show_default=True,
+    metavar="N",
+    help="With --rehearse: whose leg it is.",
+)
 @click.option("--mapping", metavar="MAP.toml", help="Which channel of the streams is which signal.")
-@click.option("--device", default="achilles", show_default=True, metavar="NAME|FILE.toml",
-              help="What moves the leg.")  # fmt: skip
-@click.option("--range", type=RANGE, metavar="LOW:HIGH",
-              help="Full plantarflexion and dorsiflexion of the subject, in rad or as 20deg.  "
-              "[default: -0.9:0.6, as far as the device]")  # fmt: skip
-@click.option("--output", default="surae-live", show_default=True, metavar="DIR",
-              help="Where the trials are kept.")  # fmt: skip
+@click.option(
+    "--device",
+    default="achilles",
+    show_default=True,
+    metavar="NAME|FILE.toml",
+    help="What moves the leg.",
+)
+@click.option(
+    "--range",
+    type=RANGE,
+    metavar="LOW:HIGH",
+    help="Full plantarflexion and dorsiflexion of the subject, in rad or as 20deg.  "
+    "[default: -0.9:0.6, as far as the device]",
+)
+@click.option(
+    "--output",
+    default="surae-live",
+    show_default=True,
+    metavar="DIR",
+    help="Where the trials are kept.",
+)
 @server_options(8766)
 @click.option("--watch", metavar="DIR", help="Files that appear in DIR are trials too.")
 @click.option("--network", is_flag=True, help="Take streams of other computers too.")
@@ -71,14 +108,27 @@ def command(
         from surae_workbench.live.unattended import unattended as run_unattended
 
         run_unattended(
-            output, trials=trials, seconds=seconds, faults=faults, mapping=mapping, leg=seed,
-            joint=False, device=device, span=range,
-        )  # fmt: skip
+            output,
+            trials=trials,
+            seconds=seconds,
+            faults=faults,
+            mapping=mapping,
+            leg=seed,
+            joint=False,
+            device=device,
+            span=range,
+        )
         return
     from surae_workbench.live.pages import serve
     from surae_workbench.web.server import Address
 
     serve(
-        output, Address(host, port, token, open_), mapping=mapping, network=network, watch=watch,
-        leg=seed if rehearse else None, device=device, span=range,
-    )  # fmt: skip
+        output,
+        Address(host, port, token, open_),
+        mapping=mapping,
+        network=network,
+        watch=watch,
+        leg=seed if rehearse else None,
+        device=device,
+        span=range,
+    )

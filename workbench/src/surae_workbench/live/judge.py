@@ -36,14 +36,27 @@ if TYPE_CHECKING:
 _QUICK = FitSettings.of("muscle", starts=3)
 #: What is said first of a leg.
 _HEADLINES = (
-    "end_stiffness", "end_torque", "relaxed_share@10s", "active_torque_max_tri@0deg",
-    "active_torque_max_tib@0deg", "activation_half_time", "delay",
-)  # fmt: skip
+    "end_stiffness",
+    "end_torque",
+    "relaxed_share@10s",
+    "active_torque_max_tri@0deg",
+    "active_torque_max_tib@0deg",
+    "activation_half_time",
+    "delay",
+)
 #: What is said of movement and of a fit, which a trial that holds still has no part in.
 _OF_MOVEMENT = (
-    "angle-still", "rom-not-covered", "trial-too-short", "position-steps", "overshoot",
-    "active-not-active", "torque-sign", "torque-offset", "torque-artefact", "angle-sign",
-)  # fmt: skip
+    "angle-still",
+    "rom-not-covered",
+    "trial-too-short",
+    "position-steps",
+    "overshoot",
+    "active-not-active",
+    "torque-sign",
+    "torque-offset",
+    "torque-artefact",
+    "angle-sign",
+)
 #: Reasons against a fit that only say what effort would show.
 _OF_EFFORT = ("at-bound", "emg-steady", "implausible")
 _REFERENCE = N_("Kept: other trials’ efforts are a part of this one.")
@@ -143,7 +156,7 @@ def judge(
         "grade": None,
         "vaf": None,
         "reasons": [],
-    }  # fmt: skip
+    }
     if trial.use == "fit":
         try:
             # What intervals would have to be widened by, which takes as long again, nobody asks.
@@ -186,7 +199,8 @@ def _advice(quality: Quality, judgement: Mapping[str, Any], _: "Words") -> str:
         for each in worst:
             if each.severity == severity:
                 return _.finding(each)
-    reasons, grade = "; ".join(map(_, judgement["reasons"])), judgement["grade"]
+    reasons = "; ".join(map(_, judgement["reasons"]))
+    grade = judgement["grade"]
     if judgement["effort"] == "maximal":
         return _(_REFERENCE)
     if grade is None:
@@ -219,7 +233,8 @@ def verdict(quality: Quality, judgement: Mapping[str, Any]) -> dict[str, str]:
         return {"verdict": "repeat", "advice": f"{_sentence(judgement['reasons'])}."}
     if warnings:
         return {"verdict": "look", "advice": warnings[0]}
-    doubts, advice = "; ".join(judgement["reasons"]), ""
+    doubts = "; ".join(judgement["reasons"])
+    advice = ""
     if judgement.get("effort") == "maximal":
         advice = _REFERENCE
     elif judgement["grade"] is None:
@@ -312,10 +327,12 @@ def together(
 def _row(name: str, estimate: "Measure | ParameterEstimate") -> dict[str, Any]:
     ci95 = estimate.ci95
     return {
-        "name": name, "value": estimate.value, "unit": estimate.unit,
+        "name": name,
+        "value": estimate.value,
+        "unit": estimate.unit,
         "verdict": str(estimate.verdict),
         "ci95": None if ci95 is None else [float(end) for end in ci95],
-    }  # fmt: skip
+    }
 
 
 def _next(
@@ -346,8 +363,10 @@ def tells(protocol: str, fit: str | None = None) -> list[str]:
     expected = api.expect(protocol, fit=fit)
     if not isinstance(expected, api.Expectation):  # of tissue and reflex
         table = expected.as_table()
-        rows = (f"{name}, if it is {value} {unit}: {interval}"
-                for name, value, interval, unit, *_ in table.rows)  # fmt: skip
+        rows = (
+            f"{name}, if it is {value} {unit}: {interval}"
+            for name, value, interval, unit, *_ in table.rows
+        )
         return [*table.above, *rows, *table.below]
     by: dict[str, list[str]] = {}
     for p in expected.parameters.values():
@@ -357,8 +376,11 @@ def tells(protocol: str, fit: str | None = None) -> list[str]:
         f"Of {expected.legs}; {expected.asks}.",
         *(
             f"{words}: {'; '.join(by[verdict])}."
-            for verdict, words in (("identified", "Known afterwards"), ("weak", "Roughly"),
-                                   ("undetermined", "Not"))
+            for verdict, words in (
+                ("identified", "Known afterwards"),
+                ("weak", "Roughly"),
+                ("undetermined", "Not"),
+            )
             if verdict in by
         ),
-    ]  # fmt: skip
+    ]

@@ -33,7 +33,8 @@ class Laboratory:
     def load(self, path: str, trial: int) -> None:
         """Have it go to where a target begins, and compute what the leg will do."""
         with self._told:
-            self._wanted, self._loaded = trial, None
+            self._wanted = trial
+            self._loaded = None
             self._say("load", path=path, trial=trial)
 
     def wait(self, patience: float) -> None:

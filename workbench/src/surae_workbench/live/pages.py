@@ -110,7 +110,8 @@ class ServedRoom:
 
     def state(self) -> dict[str, Any]:
         """How all stands."""
-        room, trials = self.room, self.room.trials
+        room = self.room
+        trials = self.room.trials
         low, high = np.degrees(room.range)
         return {
             **self.moment(),
@@ -129,7 +130,8 @@ class ServedRoom:
 
     def moment(self) -> dict[str, Any]:
         """Which trial is running, and since when; LSL's time."""
-        room, trials = self.room, self.room.trials
+        room = self.room
+        trials = self.room.trials
         return {"running": trials.running, "begin": room.begin, "now": trials.recorder.clock()}
 
     def subject(self) -> dict[str, Any]:
@@ -150,14 +152,15 @@ class ServedRoom:
             "roles": sorted(role for role, _, _ in self.showing.roles.values()),
             "ready": self.room.ready,
             "alarms": [alarm.shown() for alarm in (*quiet, *self.room.alarms.active)],
-        }  # fmt: skip
+        }
 
     def _frame(self, frame: dict[str, Any]) -> None:
         self.events.tell("frames", "frame", frame)
         self.events.tell(
-            "subject", "effort",
+            "subject",
+            "effort",
             {"t": frame["t"], "effort": frame["effort"], "asked": frame["asked"][1:]},
-        )  # fmt: skip
+        )
 
     def _tell(self, event: str, data: Mapping[str, Any]) -> None:
         self.events.tell("room", event, dict(data))

@@ -23,7 +23,9 @@ from surae_workbench.web.rows import plain
 #: Layout of a record; raised when an older surae could not read it. Records without one are older.
 FORMAT: Literal[1] = 1
 #: Marks and alarms that a trial keeps at most, letters of a text, and bytes of a record.
-MOST, _TEXT, _LARGEST = 2000, 2000, 64 * 2**20
+MOST = 2000
+_TEXT = 2000
+_LARGEST = 64 * 2**20
 #: Texts that name files, which must be found again to the letter.
 _PATHS = ("file", "recording")
 
@@ -119,8 +121,10 @@ class Record(Judgement):
 
     def write(self, path: Path) -> None:
         """Write it, all or nothing."""
-        data = self.model_dump(exclude_defaults=True) | {"format": FORMAT, "marks": [
-            mark.model_dump() for mark in self.marks]}  # fmt: skip
+        data = self.model_dump(exclude_defaults=True) | {
+            "format": FORMAT,
+            "marks": [mark.model_dump() for mark in self.marks],
+        }
         try:
             text = json.dumps(data, indent=1, allow_nan=False, ensure_ascii=False)
             write_atomic(path, text.encode())
@@ -211,12 +215,14 @@ def said_in(source: Path) -> dict[str, Any]:
 def _upgraded(data: Mapping[str, Any]) -> dict[str, Any]:
     """A record of before there was a format: the effort judged lay over the one asked for."""
     data = dict(data)
-    effort, seconds = data.pop("effort", None), data.pop("seconds", None)
+    effort = data.pop("effort", None)
+    seconds = data.pop("seconds", None)
     if effort not in (None, "passive", "active", "maximal", "unknown"):
         raise ValueError("no effort")
     asked = None if effort == "unknown" else effort
     if "use" in data:
-        judged, protocol = effort, str(data.get("protocol", ""))
+        judged = effort
+        protocol = str(data.get("protocol", ""))
         asked = "maximal" if protocol == "maximum" else None
         asked = "passive" if protocol.endswith(" passive") else asked
         data |= {"effort_judged": judged, "effort": counted(asked, judged), "seconds": seconds}

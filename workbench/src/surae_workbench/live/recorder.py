@@ -21,13 +21,17 @@ from surae_workbench.live.stream import Stream
 from surae_workbench.live.xdf import XdfLog
 
 #: Streams are asked for samples this often [s], and for their clocks: at first, and then.
-_POLL, _CLOCK_FIRST, _CLOCK = 0.015, 1.0, 5.0
+_POLL = 0.015
+_CLOCK_FIRST = 1.0
+_CLOCK = 5.0
 #: So many samples are taken at a time at most, and so many values.
-_SAMPLES, _VALUES = 4096, 2**20
+_SAMPLES = 4096
+_VALUES = 2**20
 #: The disk has what is older than this [s].
 _SYNC = 1.0
 #: Stamps further from where they are expected than this [s], and than so many samples, are a gap.
-_GAP, _GAP_SAMPLES = 0.05, 5.0
+_GAP = 0.05
+_GAP_SAMPLES = 5.0
 #: A stream that is silent for this long [s] is said to be.
 _SILENT = 0.5
 #: Clock measurements that a new file begins with.
@@ -62,7 +66,8 @@ class Recorder:
         self, path: Path, *, show: Show, tell: Tell, network: bool = False, but: Sequence[str] = ()
     ) -> None:
         self._lsl = lsl(network)
-        self._show, self._tell = show, tell
+        self._show = show
+        self._tell = tell
         self._but = frozenset(but)
         self.streams: dict[str, Stream] = {}
         self._lock = threading.RLock()
@@ -98,9 +103,11 @@ class Recorder:
         with self._lock:
             following = None if path is None else XdfLog(path)
             self._write(_end)
-            self._log, self._names = following, {}
+            self._log = following
+            self._names = {}
             self._write(lambda log: log.stream(self._events, _EVENTS))
-            origin, self._origin = self._origin, None
+            origin = self._origin
+            self._origin = None
         return origin
 
     def arrived(self, at: float) -> bool:
@@ -300,7 +307,8 @@ class Recorder:
             return
         inlet.open_stream(2.0)
         with self._lock:
-            before, stream = self.streams.get(key), Stream.of(next(self._numbers), whole)
+            before = self.streams.get(key)
+            stream = Stream.of(next(self._numbers), whole)
             if before is not None and before.layout == stream.layout:
                 stream = before
                 stream.clocks.clear()  # its computer may have been started again
@@ -313,22 +321,27 @@ class Recorder:
                     f"{before.layout_text})"
                 )
                 self.note(
-                    "layout", stream=stream.name, remark=stream.remark,
+                    "layout",
+                    stream=stream.name,
+                    remark=stream.remark,
                     split=before.number in self._names,
-                )  # fmt: skip
+                )
             self.streams[key] = stream
-            stream.uid, stream.inlet = whole.uid(), inlet
+            stream.uid = whole.uid()
+            stream.inlet = inlet
 
     def _describe(self, stream: Stream) -> None:
         """Tell the file what a stream is, and what is known of its clock.
 
         Each has a name of its own in a file, so that no column stands for two.
         """
-        name, xml = stream.name, stream.xml
+        name = stream.name
+        xml = stream.xml
         for other in count(2):
             if name not in self._names.values():
                 break
-            name, end = f"{stream.name} ({other})", f" ({other})</name>"
+            name = f"{stream.name} ({other})"
+            end = f" ({other})</name>"
             xml = stream.xml.replace("</name>", end, 1)
         self._names[stream.number] = name
         self._write(lambda log: log.stream(stream.number, xml))
@@ -359,7 +372,8 @@ class Recorder:
                     write(log)
                     self._waiting.popleft()
             except OSError as error:
-                before, self._full = self._full, error.strerror or str(error)
+                before = self._full
+                self._full = error.strerror or str(error)
                 if not before:
                     self._tell("disk", {"message": self.trouble})
                 return

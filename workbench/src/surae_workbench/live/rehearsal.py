@@ -24,15 +24,20 @@ if TYPE_CHECKING:
     from surae.api import Trajectory
 
 #: Sources: of the words that the laboratory hears, and of the streams that it sends.
-CONTROL, MANIPULATOR, EMG = "surae-live-control", "surae-rehearsal-device", "surae-rehearsal-emg"
+CONTROL = "surae-live-control"
+MANIPULATOR = "surae-rehearsal-device"
+EMG = "surae-rehearsal-emg"
 #: Rates [Hz] and how often samples are sent [s].
-_RATE, _DEVICE_EVERY, _STEP = 2048.0, 2, 0.01
+_RATE = 2048.0
+_DEVICE_EVERY = 2
+_STEP = 0.01
 #: The torque's sensor is this much later than the muscles [s].
 _TORQUE_DELAY = 0.02
 #: The device goes to where a trial begins within this [s].
 _RETURN = 2.0
 #: What an electrode hears that has fallen off [V], and mains on a bad one.
-_OFF, _HUM = 2e-3, 3e-4
+_OFF = 2e-3
+_HUM = 3e-4
 FAULTS = ("electrode-off", "hum", "torque-sign", "angle-sign", "dropout")
 
 
@@ -93,7 +98,8 @@ class _Laboratory:
         """Send what there is to send, in real time."""
         words = None
         clock = self._lsl.local_clock
-        sent, start = 0, clock()
+        sent = 0
+        start = clock()
         while True:
             time.sleep(_STEP)
             words = self._heard(words)
@@ -136,7 +142,9 @@ class _Laboratory:
     def _go(self, to: FloatArray) -> None:
         """Move gently to a position from where the device is, within `_RETURN`."""
         now = float(self._lsl.local_clock())
-        self._from, self._to, self._left = self._resting(np.array([now]))[0], to, now
+        self._from = self._resting(np.array([now]))[0]
+        self._to = to
+        self._left = now
 
     def _resting(self, times: FloatArray) -> FloatArray:
         """Angle, torque and EMG between trials, shape (n, 6)."""

@@ -102,7 +102,8 @@ class Room:
         self.laboratory = None if leg is None else Laboratory(leg)
         self.alarms = Watch(limits, self.range)
         self._roles: Roles = {}
-        self._show, self._tell = show, tell
+        self._show = show
+        self._tell = tell
         try:
             self.trials = Trials(
                 folder,
@@ -149,14 +150,14 @@ class Room:
             profile = str(protocol.get("profile", ""))
             given_up: tuple[str, ...] = ()
             if path is None and profile == MAXIMUM:
-                trajectory, name = _maximum(self.range), MAXIMUM
+                trajectory = _maximum(self.range)
+                name = MAXIMUM
             elif path is None and profile in TELLING:
-                trajectory, name = telling(profile, self.device, self.range, _RATE), profile
+                trajectory = telling(profile, self.device, self.range, _RATE)
+                name = profile
             elif path is None and profile in ready_protocols():
-                trajectory, name = (
-                    ready_trajectory(profile, self.device, self.range, _RATE),
-                    profile,
-                )
+                trajectory = ready_trajectory(profile, self.device, self.range, _RATE)
+                name = profile
             elif path is None:
                 settings = Protocol(
                     device=self.device, angle_range=self.range, rate_hz=_RATE, **protocol
@@ -164,7 +165,8 @@ class Room:
                 trajectory, given_up = _held(settings)
                 name = f"{profile} {protocol.get('task', '')}".strip()
             else:
-                trajectory, name = read_protocol(path), name or Path(path).stem
+                trajectory = read_protocol(path)
+                name = name or Path(path).stem
             on_device = replace(trajectory.settings, device=self.device)
             limits = requested_limits(replace(trajectory, settings=on_device))
             too_much = [limit.message for limit in limits if limit.exceeded]
@@ -175,9 +177,10 @@ class Room:
             self.alarms.speed = float(np.abs(trajectory.velocity).max())
             effort = "maximal" if trajectory.settings.task == "maximal" else "active"
             self.planned = {
-                "protocol": cleaned(name), "seconds": float(trajectory.time[-1]),
+                "protocol": cleaned(name),
+                "seconds": float(trajectory.time[-1]),
                 "effort": effort if trajectory.effort.any() else "passive",
-            }  # fmt: skip
+            }
             self.limits = [
                 *({"text": e.message, **e.message.parts(), "exceeded": e.exceeded} for e in limits),
                 *({"text": text} for text in given_up),
@@ -300,7 +303,8 @@ class Room:
 
     def _alarm(self, alarm: Alarm) -> None:
         """Tell what goes wrong; within a trial it is kept with it."""
-        begin, now = self.begin, self.trials.recorder.clock()
+        begin = self.begin
+        now = self.trials.recorder.clock()
         at = None if begin is None else round(now - begin, 2)
         if self.trials.running is not None:
             self.trials.alarm({"at": at, **alarm.shown()})

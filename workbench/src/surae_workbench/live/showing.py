@@ -15,12 +15,15 @@ from surae.base.units import FACTORS, SI, FloatArray, kind, plain
 from surae_workbench.live.stream import Stream
 
 #: Frames per second, and how the envelope of an EMG is smoothed [s].
-RATE, _SMOOTH, _DRIFT = 30.0, 0.15, 0.05
+RATE = 30.0
+_SMOOTH = 0.15
+_DRIFT = 0.05
 #: What is larger is no measurement, and sums of it are none.
 _HUGE = 1e100
 #: A muscle's largest EMG is at least this part of the strongest muscle's, and so many times its own
 #: at rest above that: the noise of an amplifier is no effort.
-_CROSSTALK, _WORKS = 0.25, 1.5
+_CROSSTALK = 0.25
+_WORKS = 1.5
 
 #: Column → role and the factor and offset that bring it to SI.
 Roles = Mapping[str, tuple[str, float, float]]
@@ -72,10 +75,12 @@ class Showing:
                 if not len(signal):
                     self._new.setdefault(role, None)
                     continue
-                low, high = float(signal.min()), float(signal.max())
+                low = float(signal.min())
+                high = float(signal.max())
                 known = self._new.get(role)
                 if known is not None:
-                    low, high = min(low, known[0]), max(high, known[1])
+                    low = min(low, known[0])
+                    high = max(high, known[1])
                 self._new[role] = [low, high, float(signal[-1])]
                 if role.startswith("emg_"):
                     # What is irregular says by its stamps alone for how long it was felt.
@@ -134,7 +139,8 @@ class Showing:
         size = float(np.abs(signal - mean).mean())
         level = self._levels.get(role, size)  # not from nothing: that would be taken for rest
         level += (size - level) * (1.0 - np.exp(-seconds / _SMOOTH))
-        self._means[role], self._levels[role] = mean, level
+        self._means[role] = mean
+        self._levels[role] = level
         self._largest[role] = max(self._largest.get(role, 0.0), level)
         rest = self._rests.get(role, level)
         self._rests[role] = min(rest * (1.0 + 0.002 * seconds), level) if rest else level
@@ -145,8 +151,10 @@ class Showing:
             due = max(due + 1.0 / RATE, time.monotonic())
             self._ended.wait(due - time.monotonic())
             with self._lock:
-                new, self._new = self._new, {}
-                efforts, newest = self.efforts(), self._newest
+                new = self._new
+                self._new = {}
+                efforts = self.efforts()
+                newest = self._newest
             now = clock()
             self._send(
                 {

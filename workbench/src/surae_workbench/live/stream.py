@@ -17,7 +17,9 @@ _FORMATS = {1: "float32", 2: "float64", 3: "text", 4: "int32", 5: "int16", 6: "i
 _LSL_FORMATS = {**_FORMATS, 2: "double64", 3: "string"}
 #: Letters of a description, of a name in it, and of a text that is shown nowhere. A reader calls a
 #: column by two names, in a line of 200.
-_XML, _NAME, _TEXT = 2**20, 90, 4000
+_XML = 2**20
+_NAME = 90
+_TEXT = 4000
 #: A stream of whose name nothing can be shown.
 _NAMELESS = "stream"
 #: An element with nothing but text, and letters by their number in it.
@@ -142,14 +144,23 @@ class Stream:
         if len(self.rates) > 1 and self.rates[-1][0] > self.rates[0][0]:
             rate = (self.rates[-1][1] - self.rates[0][1]) / (self.rates[-1][0] - self.rates[0][0])
         return {
-            "name": self.name, "kind": self.kind, "channels": self.labels, "units": self.units,
-            "rate_hz": self.rate_hz, "measured_hz": rate, "state": self.state,
-            "received": self.received, "gaps": self.gaps, "losses": self.losses,
-            "lost_s": self.lost_s, "not_finite": self.not_finite, "bad_stamps": self.bad_stamps,
-            "remark": self.remark, "offset_ms": None if self.offset_s is None
-            else 1e3 * self.offset_s,
+            "name": self.name,
+            "kind": self.kind,
+            "channels": self.labels,
+            "units": self.units,
+            "rate_hz": self.rate_hz,
+            "measured_hz": rate,
+            "state": self.state,
+            "received": self.received,
+            "gaps": self.gaps,
+            "losses": self.losses,
+            "lost_s": self.lost_s,
+            "not_finite": self.not_finite,
+            "bad_stamps": self.bad_stamps,
+            "remark": self.remark,
+            "offset_ms": None if self.offset_s is None else 1e3 * self.offset_s,
             "age_s": None if self.last_s is None else max(now - self.last_s, 0.0),
-        }  # fmt: skip
+        }
 
 
 def _cleaned_xml(text: str) -> str:

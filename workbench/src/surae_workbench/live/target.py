@@ -15,9 +15,12 @@ from surae.api import MUSCLES, Trajectory
 from surae.base.units import FloatArray
 from surae_workbench.live.lsl import lsl, outlet
 
-NAME, SOURCE, KIND = "surae target", "surae-live-target", "Target"
+NAME = "surae target"
+SOURCE = "surae-live-target"
+KIND = "Target"
 #: Rate [Hz], and how much of it is sent at a time [s].
-_RATE, _STEP = 100.0, 0.02
+_RATE = 100.0
+_STEP = 0.02
 #: So long an outlet that sends no more waits for those who hear it to leave [s].
 _LEAVE = 1.0
 
@@ -82,7 +85,8 @@ class TargetStream:
         self._thread.join(5.0)
 
     def _send(self, stream: Any) -> None:
-        sent, start = 0, float(self._clock())
+        sent = 0
+        start = float(self._clock())
         while not self._ended.wait(_STEP):
             due = int((float(self._clock()) - start) * _RATE)
             if due > sent:

@@ -73,11 +73,13 @@ class Trials:
         joint: bool = True,
         limits: Mapping[str, Any] | None = None,
     ) -> None:
-        self.folder, self._told = Path(folder), tell
+        self.folder = Path(folder)
+        self._told = tell
         self.limits = dict(limits or {})
         self._betweens = 0
         self._mapping = None if mapping is None else Path(mapping)
-        self.joint, self._made = joint, ""
+        self.joint = joint
+        self._made = ""
         self._judge, self._refine = Child(calls=None), Child(nice=10, calls=None)
         self._work = ThreadPoolExecutor(1, "live-judge")
         self._later = ThreadPoolExecutor(1, "live-refine")
@@ -101,7 +103,8 @@ class Trials:
                         "give another --output"
                     )
                 opened.callback(held.close)
-                unjudged, first = self._known(), self._between()
+                unjudged = self._known()
+                first = self._between()
                 self.recorder = Recorder(
                     first, show=show, tell=self._tell, network=network, but=but
                 )
@@ -132,9 +135,13 @@ class Trials:
                     number += 1
             self.running, self._begun = number, self.recorder.clock()
             record = self.trials[number] = Record.of(
-                trial=number, state="recording", began=_now(), protocol=protocol,
-                seconds_asked=seconds, effort_asked=effort,
-            )  # fmt: skip
+                trial=number,
+                state="recording",
+                began=_now(),
+                protocol=protocol,
+                seconds_asked=seconds,
+                effort_asked=effort,
+            )
             about = {"protocol": record.protocol, "seconds": seconds, "effort": effort}
             # What was asked for is known after a crash, too: by the recording itself.
             self.recorder.note("start", trial=number, began=record.began, **about)
@@ -147,9 +154,12 @@ class Trials:
         with self._lock:
             number = self._free()
             record = self.trials[number] = Record.of(
-                trial=number, state="being judged", began=_now(), protocol=path.name,
+                trial=number,
+                state="being judged",
+                began=_now(),
+                protocol=path.name,
                 file=str(path),
-            )  # fmt: skip
+            )
             self._drop_together()
             self._keep(number)
         self._tell("trial", record.shown())
@@ -158,7 +168,8 @@ class Trials:
 
     def mark(self, text: str = "") -> None:
         """Write a mark down, at this moment."""
-        number, text = self.running, cleaned(text)
+        number = self.running
+        text = cleaned(text)
         if number is not None and len(self.trials[number].marks) >= MOST:
             raise InputError(f"this trial has {MOST} marks; begin another one")
         self.recorder.note("mark", text=text)
@@ -179,11 +190,13 @@ class Trials:
         `begin` is when its target began, in LSL's time [s].
         """
         with self._lock:
-            number, self.running = self.running, None
+            number = self.running
+            self.running = None
             if number is None:
                 raise InputError("no trial is running; start one first")
             self._drop_together()
-        ended, now = time.monotonic(), self.recorder.clock()
+        ended = time.monotonic()
+        now = self.recorder.clock()
         self.recorder.note("stop", trial=number)
         while not self.recorder.arrived(now) and time.monotonic() < ended + _LATE:
             time.sleep(0.005)
@@ -375,7 +388,8 @@ class Trials:
         """Take up the trials in the folder; the numbers of those to be judged yet, mended."""
         unjudged = []
         for number in self._numbers("trial"):
-            row, source = self.path(number, ".json"), self.path(number, ".xdf")
+            row = self.path(number, ".json")
+            source = self.path(number, ".xdf")
             note = f"trial {number} broke off; what had arrived is kept"
             try:
                 trial = read_record(row, number)
@@ -458,7 +472,8 @@ def mapping_of(streams: list[Stream]) -> str:
     lines: dict[str, str] = {}
     for stream in streams:
         for column, label, unit in zip(stream.columns, stream.labels, stream.units, strict=True):
-            role, known = plain_unit(label), plain_unit(unit)
+            role = plain_unit(label)
+            known = plain_unit(unit)
             if role not in ROLES or known not in FACTORS[kind(role)] or stream.kind == KIND:
                 continue
             if role in lines:

@@ -22,7 +22,11 @@ from surae_formats.xdf import xdf_end
 
 _MAGIC = b"XDF:"
 _HEADER = b'<?xml version="1.0"?><info><version>1.0</version></info>'
-_FILE, _STREAM, _SAMPLES, _CLOCK, _BOUNDARY = 1, 2, 3, 4, 5
+_FILE = 1
+_STREAM = 2
+_SAMPLES = 3
+_CLOCK = 4
+_BOUNDARY = 5
 #: Where readers find their way back after damage.
 _SIGN = uuid.UUID("43a546dc-cbf5-410f-b30e-d5467383cbe4").bytes
 
@@ -93,7 +97,8 @@ class XdfLog:
 
     def close(self) -> None:
         """End the file."""
-        file, self._file = self._file, None
+        file = self._file
+        self._file = None
         if file is not None:
             os.close(file)
 

@@ -96,11 +96,21 @@ def create_app(bench: Workbench, policy: Policy) -> ASGIApp:
         openapi_url="/api/openapi.json",
         lifespan=lifespan,
     )
-    app.state.workbench, app.state.policy = bench, policy
+    app.state.workbench = bench
+    app.state.policy = policy
     for module in (
-        draft, uploads, recordings, descriptions, fits, sessions, jobs, cohort,
-        protocols, studies, pages,
-    ):  # fmt: skip
+        draft,
+        uploads,
+        recordings,
+        descriptions,
+        fits,
+        sessions,
+        jobs,
+        cohort,
+        protocols,
+        studies,
+        pages,
+    ):
         app.include_router(module.router)
     return Security(app, policy, bench.sessions)
 

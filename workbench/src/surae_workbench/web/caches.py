@@ -15,7 +15,8 @@ class Cache(Generic[T]):
     """
 
     def __init__(self, budget: float, size: Callable[[T], float] = lambda _: 1.0) -> None:
-        self._budget, self._size = budget, size
+        self._budget = budget
+        self._size = size
         self._kept: OrderedDict[Hashable, T] = OrderedDict()
         self._making: dict[Hashable, threading.Lock] = {}
         self._lock = threading.Lock()

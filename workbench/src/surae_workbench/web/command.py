@@ -21,8 +21,14 @@ _MIB = 2**20
     metavar="N",
     help="Fits at a time.  [default: one for each core but one]",
 )
-@click.option("--max-upload", type=click.IntRange(1, 4096), default=512, show_default=True,
-              metavar="MIB", help="Largest file that is taken.")  # fmt: skip
+@click.option(
+    "--max-upload",
+    type=click.IntRange(1, 4096),
+    default=512,
+    show_default=True,
+    metavar="MIB",
+    help="Largest file that is taken.",
+)
 def command(
     project: str,
     host: str,

@@ -86,7 +86,8 @@ class Database:
     """
 
     def __init__(self, path: Path, still_ours: Callable[[], None] = lambda: None) -> None:
-        self._name, self._still_ours = path.name, still_ours
+        self._name = path.name
+        self._still_ours = still_ours
         self._writing, self._reading = threading.RLock(), threading.Lock()
         self._writer: int | None = None  # the thread that is in a transaction
         self._touched: set[tuple[str, object]] = set()  # kind and id of what it has changed
@@ -224,7 +225,8 @@ class Database:
         self.change(kind, id_, "DELETE FROM thing WHERE kind = ? AND id = ?", kind, id_)
 
     def _keep(self, id_: object, kind: str, created: object, deleted: int, text: object) -> None:
-        whole, problem = None, ""
+        whole = None
+        problem = ""
         try:
             whole = entry(kind, id_, created, text)
         except ValueError as error:

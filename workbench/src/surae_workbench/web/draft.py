@@ -50,7 +50,8 @@ def _take_row(draft: Draft, name: str, row: Mapping[str, Any] | None) -> None:
         return
     spec = api.with_optional(api.get_model(api.richest(draft["model"])), {name})
     default = api.adapted(spec.parameters, _settings(draft).options).get(name)
-    usual, value = name in spec.free, row.get("value")
+    usual = name in spec.free
+    value = row.get("value")
     if not row.get("free", usual):
         if value is not None or default is not None:
             draft["fixed"][name] = default.start if value is None and default else value
@@ -59,11 +60,13 @@ def _take_row(draft: Draft, name: str, row: Mapping[str, Any] | None) -> None:
         draft["free"].append(name)
     if value is not None:
         draft["start"][name] = value
-    low, high = row.get("lower"), row.get("upper")
+    low = row.get("lower")
+    high = row.get("upper")
     if default is not None and (low is not None or high is not None):
         draft["bounds"][name] = [
-            default.lower if low is None else low, default.upper if high is None else high
-        ]  # fmt: skip
+            default.lower if low is None else low,
+            default.upper if high is None else high,
+        ]
     if row.get("prior") is not None:
         draft["priors"][name] = [row["prior"]["median"], row["prior"]["spread"]]
 
@@ -98,7 +101,8 @@ def settings_of(draft: Draft, recordings: Sequence[str]) -> api.FitSettings:
 
     Parameters of a model that the session had chosen before are left out.
     """
-    settings, known = _settings(draft), set(spec_of(draft).names)
+    settings = _settings(draft)
+    known = set(spec_of(draft).names)
     kept: dict[str, Any] = {
         field: {name: value for name, value in getattr(settings, field).items() if name in known}
         for field in ("fixed", "start", "bounds", "priors")
@@ -146,19 +150,26 @@ def parameter_table(
     table = api.adapted(spec.parameters, _settings(draft).options, emg_unit)
     now = values_of(draft, emg_unit, prescribed)
     priors = _population(draft)
-    rows, changes_of = [], shown(draft)["parameters"]
+    rows = []
+    changes_of = shown(draft)["parameters"]
     for name, p in table.items():
         changed = changes_of.get(name, {})
         default = _defaults(p, name in spec.free)
         if name in prescribed:
             default |= {"free": False, "value": prescribed[name]}
         own = {key: changed[key] for key in default if changed.get(key) is not None}
-        rows.append({
-            **described(p, name in spec.free), **default, **own,
-            "prior": changed.get("prior") or priors.get(name), "default": default,
-            "slider": now[name], "prescribed": prescribed.get(name),
-            "optional": name in spec.optional,
-        })  # fmt: skip
+        rows.append(
+            {
+                **described(p, name in spec.free),
+                **default,
+                **own,
+                "prior": changed.get("prior") or priors.get(name),
+                "default": default,
+                "slider": now[name],
+                "prescribed": prescribed.get(name),
+                "optional": name in spec.optional,
+            }
+        )
     return rows
 
 

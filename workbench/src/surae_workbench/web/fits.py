@@ -40,7 +40,8 @@ def prepared_draft(
 
 def keep_fit(bench: "Workbench", job: Entry, end: Mapping[str, Any]) -> str:
     """Add a finished fit to the project."""
-    task, summary = job["task"], end["summary"]
+    task = job["task"]
+    summary = end["summary"]
     name = task["name"] or f"{model_title(summary['model'])} · {', '.join(summary['names'])}"
     id_ = add_fit(bench, job["id"], name, summary, task["recordings"], task)
     bench.events.changed("fits")
@@ -48,11 +49,16 @@ def keep_fit(bench: "Workbench", job: Entry, end: Mapping[str, Any]) -> str:
 
 
 def add_fit(
-    bench: "Workbench", id_: str, name: str, summary: Mapping[str, Any], recordings: list[str],
+    bench: "Workbench",
+    id_: str,
+    name: str,
+    summary: Mapping[str, Any],
+    recordings: list[str],
     task: Mapping[str, Any],
-) -> str:  # fmt: skip
+) -> str:
     """Add a fit whose file is there; `summary` is what lists show of it, `task` what made it."""
-    versions, used = task.get("versions", {}), {*recordings, *task["draft"]["mvc"]}
+    versions = task.get("versions", {})
+    used = {*recordings, *task["draft"]["mvc"]}
     data = {
         **summary,
         "name": unique_name(bench.database.all("fit"), name),
@@ -65,14 +71,18 @@ def add_fit(
 
 def keep_designs(bench: "Workbench", job: Entry, end: Mapping[str, Any]) -> str | None:
     """Keep the protocols that were designed; the id of the last."""
-    id_, task = None, job["task"]
+    id_ = None
+    task = job["task"]
     for design in end["designs"]:
         name = unique_name(bench.database.all("protocol"), design["name"], 120)
         settings = {
-            "profile": "designed", "device": task["device"], "rate_hz": task["rate_hz"],
-            "angle_range": task["angle_range"] or design["limits"][:2], "limits": design["limits"],
+            "profile": "designed",
+            "device": task["device"],
+            "rate_hz": task["rate_hz"],
+            "angle_range": task["angle_range"] or design["limits"][:2],
+            "limits": design["limits"],
             "plan": design["plan"] | {key: task[key] for key in ("model", "population")},
-        }  # fmt: skip
+        }
         id_ = bench.database.add("protocol", {"name": name, "settings": settings})
     bench.events.changed("protocols")
     return id_

@@ -11,8 +11,12 @@ from surae.base.setting import default_of, kind_of, parts_of, settings_of
 from surae.base.words import N_
 
 #: Settings that are records of their own, each of whose settings is a field of the form.
-_RECORDS = {"options": api.ModelOptions, "weights": api.Weighting, "preparation": api.Preparation,
-            "knowledge": api.Knowledge}  # fmt: skip
+_RECORDS = {
+    "options": api.ModelOptions,
+    "weights": api.Weighting,
+    "preparation": api.Preparation,
+    "knowledge": api.Knowledge,
+}
 
 
 def form() -> list[dict[str, Any]]:

@@ -66,7 +66,8 @@ def _folder(files: Sequence[Upload]) -> Iterator[dict[str, str]]:
             name = file_name(upload["name"])
             number = 2
             while name in names.values():
-                name, number = file_name(upload["name"], number), number + 1
+                name = file_name(upload["name"], number)
+                number = number + 1
             names[upload["id"]] = name
             try:
                 os.link(upload["path"], folder / name)
@@ -154,7 +155,8 @@ def _of_mapping(name: str, ids: Mapping[str, str]) -> dict[str, Any]:
             "trials alone and change what differs on each recording's page; `surae session` and "
             "`surae convert --mapping` read it as it is"
         )
-    channels, missing = {}, []
+    channels = {}
+    missing = []
     for role, own in mapped.channels.items():
         if own.file is None or file_name(own.file) not in ids:
             missing.append(str(own.file))
@@ -187,7 +189,8 @@ def _zeros(
     described: Mapping[str, Any], name: str, mapping: Mapping[str, Any], names: Mapping[str, str]
 ) -> list[str]:
     """Put the offset that each `zero` means into the form's mapping; a sentence on each."""
-    channels, notes = mapping["channels"], []
+    channels = mapping["channels"]
+    notes = []
 
     def first(role: str, **changes: Any) -> float:
         """The first sample of a channel that is described so."""

@@ -42,7 +42,8 @@ class Jobs:
     """
 
     def __init__(self, project: Project, events: Events, fits: int) -> None:
-        self._project, self._events = project, events
+        self._project = project
+        self._events = events
         self._finish: dict[str, Finish] = {}
         counts = {"fits": fits, "studies": 1}
         self._lanes = {name: queue.SimpleQueue[str | None]() for name in counts}
@@ -102,12 +103,19 @@ class Jobs:
         self._project.database.add(
             "job",
             {
-                "kind": kind, "label": label[:200], "state": "queued", "session": session.key,
-                "task": dict(task), "about": about, "message": "", "result": None,
-                "started": None, "ended": None,
+                "kind": kind,
+                "label": label[:200],
+                "state": "queued",
+                "session": session.key,
+                "task": dict(task),
+                "about": about,
+                "message": "",
+                "result": None,
+                "started": None,
+                "ended": None,
             },
             id_,
-        )  # fmt: skip
+        )
         job = self._project.need("job", id_)
         self._tell(job)
         self._lanes[_lane(job)].put(id_)
@@ -202,7 +210,9 @@ class Jobs:
             return  # marked as interrupted at the next start
         if end.where:
             _log.error("internal error in a worker: %s", end.where)
-        stopped, message, result = id_ in self._cancelled, end.message, None
+        stopped = id_ in self._cancelled
+        message = end.message
+        result = None
         state = "cancelled" if stopped or end.how == "cancelled" else "failed"
         if end.how == "done":
             state = "cancelled" if end.value.get("interrupted") else "done"
@@ -210,7 +220,8 @@ class Jobs:
             try:
                 result = self._finish[job["kind"]](job, end.value)
             except SuraeError as refusal:  # what it was about is gone, or the disk is full
-                state, message = "failed", str(refusal)
+                state = "failed"
+                message = str(refusal)
         self._end(id_, state, self._project.hidden(message), result)
 
     def _end(self, id_: str, state: str, message: str, result: str | None) -> None:

@@ -29,9 +29,21 @@ def spoken(request: Request) -> dict[str, Any]:
 
 #: Codes of sentences on fits, which no script says.
 _NOT_ON_PAGES = (
-    "against/", "alone/", "apart/", "beyond/", "change/", "ended/", "identify/", "interval/",
-    "kind/", "made/", "measure/", "none/", "plainly/", "step/",
-)  # fmt: skip
+    "against/",
+    "alone/",
+    "apart/",
+    "beyond/",
+    "change/",
+    "ended/",
+    "identify/",
+    "interval/",
+    "kind/",
+    "made/",
+    "measure/",
+    "none/",
+    "plainly/",
+    "step/",
+)
 
 
 @cache

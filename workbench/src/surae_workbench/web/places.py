@@ -37,7 +37,8 @@ def refuse_foreign(folder: Path, where: str) -> None:
     """Refuse a folder of somebody's own files, and links anywhere in a project."""
     if not folder.exists():
         return
-    cannot, database = f"cannot use {where} as a project", folder / DATABASE
+    cannot = f"cannot use {where} as a project"
+    database = folder / DATABASE
     begun = database.is_symlink() or (database.exists() and database.lstat().st_size > 0)
     top = list(folder.iterdir())
     strange = [path for path in top if path.name not in _OURS and not _is_empty_folder(path)]

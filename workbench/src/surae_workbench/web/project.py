@@ -153,7 +153,8 @@ class Project:
         row = self.database.row("SELECT * FROM thing WHERE kind = ? AND id = ?", kind, id_)
         if row is None or kind not in KINDS or not ID.fullmatch(id_):
             return
-        trash, columns = self.folder / "trash", ("id", "kind", "created", "deleted", "data")
+        trash = self.folder / "trash"
+        columns = ("id", "kind", "created", "deleted", "data")
         moved = [trash / f"{plural(kind)}-{id_}.entry.json"]
         write_json(moved[0], dict(zip(columns, row, strict=True)))
         for path in self._files(kind, id_):
@@ -202,10 +203,12 @@ class Project:
 def unique_name(rows: Iterable[Mapping[str, Any]], name: str, longest: int = 200) -> str:
     """The name, with a number where one of the entries has it."""
     taken = {row["name"] for row in rows}
-    fresh, number = name[:longest], 2
+    fresh = name[:longest]
+    number = 2
     while fresh in taken:
         end = f" ({number})"
-        fresh, number = name[: longest - len(end)] + end, number + 1
+        fresh = name[: longest - len(end)] + end
+        number = number + 1
     return fresh
 
 

@@ -38,16 +38,24 @@ _FILE = "for another column drop its file on the page Add trials again"
 
 
 _TURN = {
-    "both": N_("Turn both"), "angle": N_("Turn the angle"), "torque": N_("Turn the torque"),
-}  # fmt: skip
+    "both": N_("Turn both"),
+    "angle": N_("Turn the angle"),
+    "torque": N_("Turn the torque"),
+}
 
 
 def first_mapping(row: Entry) -> dict[str, Any]:
     """The description with which a recording was imported; one of its own where there was none."""
     first = row.get("first") or row["mapping"]
     if first is None:
-        first = {"name": row["name"], "emg": row["emg"], "side": row["side"], "channels": {},
-                 "fixed": row["fixed"], "prepare": {}}  # fmt: skip
+        first = {
+            "name": row["name"],
+            "emg": row["emg"],
+            "side": row["side"],
+            "channels": {},
+            "fixed": row["fixed"],
+            "prepare": {},
+        }
     channels_now = {channel["role"]: channel for channel in row["channels"]}
     plain = {"upload": row["id"], "sign": 1, "scale": 1.0, "offset": 0.0}
     channels = first["channels"] or {
@@ -88,7 +96,8 @@ def described_anew(
         source = roles.get((new["upload"], new["column"]))
         if source is None:
             raise InputError(f"{role}: {new['column']!r} was not imported: {_FILE}")
-        old, measured = first["channels"][source], recording.channels[source]
+        old = first["channels"][source]
+        measured = recording.channels[source]
         unit = new["unit"] or SI[kind(role)]
         if new["scale"] == 0:
             raise InputError(f"{role}: scale is 0, which would erase the signal")
@@ -98,7 +107,8 @@ def described_anew(
         values: FloatArray = (
             new["sign"] * (new["scale"] * raw + new["offset"]) * _factor(role, unit)
         )
-        times, known = _times(measured.time, new), "1" if unit == "1" else SI[kind(role)]
+        times = _times(measured.time, new)
+        known = "1" if unit == "1" else SI[kind(role)]
         told = f"{measured.source.partition(' (')[0]} ({_told(new, unit)})"
         channels[role] = api.Channel(role, times, read_only(values), known, told)
     return replace(
@@ -112,7 +122,8 @@ def described_anew(
 
 def _times(times: FloatArray, channel: Mapping[str, Any]) -> FloatArray:
     """The times of a channel's samples: as imported, but for what is said of a film's clock."""
-    start, rate = channel.get("start_s"), channel.get("rate_hz")
+    start = channel.get("start_s")
+    rate = channel.get("rate_hz")
     since = times - times[0] if rate is None else np.arange(len(times)) / rate
     moved = start is not None or rate is not None
     return read_only((times[0] if start is None else start) + since) if moved else times
@@ -152,11 +163,14 @@ def imported_columns(path: str, first: Mapping[str, Any]) -> list[dict[str, Any]
         values = raw.channels[role].values / _factor(role, channel["unit"])
         columns.append(
             {
-                "upload": channel["upload"], "name": channel["column"], "unit": channel["unit"],
-                "low": float(values.min()), "high": float(values.max()),
+                "upload": channel["upload"],
+                "name": channel["column"],
+                "unit": channel["unit"],
+                "low": float(values.min()),
+                "high": float(values.max()),
                 "preview": preview(recording.channels[role].time, values),
             }
-        )  # fmt: skip
+        )
     return columns
 
 
@@ -170,9 +184,12 @@ def like(wanted: Mapping[str, Any], own: Mapping[str, Any], name: str) -> dict[s
         same = columns[channel["column"]]  # each film begins at a time of its own
         channels[role] = channel | {key: same.get(key) for key in ("upload", *CLOCK)}
     return {
-        **own, "channels": channels, "emg": wanted["emg"], "fixed": wanted["fixed"],
+        **own,
+        "channels": channels,
+        "emg": wanted["emg"],
+        "fixed": wanted["fixed"],
         "prepare": wanted["prepare"],
-    }  # fmt: skip
+    }
 
 
 def proposals(
@@ -189,7 +206,8 @@ def proposals(
 def _mend(
     finding: Mapping[str, Any], channels: Mapping[str, Mapping[str, Any]]
 ) -> dict[str, Any] | None:
-    role, code = finding["channel"], finding["code"]
+    role = finding["channel"]
+    code = finding["code"]
     if role is None and code == "emg-unit":
         roles = [role for role in channels if role.startswith("emg_")]
     else:

@@ -9,11 +9,13 @@ from surae.processes import Child
 from surae_workbench.web.http_errors import RefusedError
 
 #: Longest that one piece of work may take [s], and the memory that it may use [bytes].
-_SECONDS, _MEMORY = 180.0, 12 * 2**30
+_SECONDS = 180.0
+_MEMORY = 12 * 2**30
 #: Behind the pages, but ahead of fits, which nobody waits for in front of a page.
 _NICE = 3
 #: Pieces of work at a time, and how many requests may wait for them.
-_WORKERS, _WAITING = 2, 100
+_WORKERS = 2
+_WAITING = 100
 #: Threads that answer requests: those that wait take none from the pages.
 THREADS = _WAITING + 40
 _log = logging.getLogger("surae_workbench.web")

@@ -106,9 +106,13 @@ class _Fit(_Row):
 
 #: What is shown of every leg first, and its unit.
 MEASURES = {
-    "end_stiffness": "Nm/deg", "end_torque": "Nm", "torque_rise": "Nm",
-    "passive_stiffness@10deg": "Nm/deg", "passive_torque@10deg": "Nm", "neutral_angle": "deg",
-}  # fmt: skip
+    "end_stiffness": "Nm/deg",
+    "end_torque": "Nm",
+    "torque_rise": "Nm",
+    "passive_stiffness@10deg": "Nm/deg",
+    "passive_torque@10deg": "Nm",
+    "neutral_angle": "deg",
+}
 
 
 class _Adequacy(_Row):

@@ -60,7 +60,8 @@ if TYPE_CHECKING:  # known where it runs: plugins add to them
     Model = str
     Fitted = str
 else:
-    Model, Fitted = Literal[names.MODELS.here()], Literal[names.FITTED.here()]
+    Model = Literal[names.MODELS.here()]
+    Fitted = Literal[names.FITTED.here()]
 Population = Literal[names.POPULATIONS]  # type: ignore[valid-type]
 Effort = Literal["passive", "active", "maximal", "empty device", "one muscle at a time"]
 Role = Literal[api.ROLES]  # type: ignore[valid-type]

@@ -173,7 +173,9 @@ class Security:
     """
 
     def __init__(self, app: ASGIApp, policy: Policy, sessions: Browsers) -> None:
-        self._app, self._policy, self._sessions = app, policy, sessions
+        self._app = app
+        self._policy = policy
+        self._sessions = sessions
         self._token = None if policy.token is None else _digest(policy.token)
         self._guessing = asyncio.Lock()
         # Cookies do not know ports: without the project in their names, two servers on one
@@ -187,7 +189,8 @@ class Security:
             if scope["type"] == "lifespan":
                 await self._app(scope, receive, send)
             return  # no WebSockets
-        request, cookies = _Incoming(scope), list[str]()
+        request = _Incoming(scope)
+        cookies = list[str]()
         guarded = _guarded(send, cookies)
         uploads = request.method == "POST" and request.path == "/api/uploads"
         limit = self._policy.upload_bytes if uploads else _BODY
@@ -303,7 +306,8 @@ def _guarded(send: Send, cookies: list[str]) -> Send:
 
 def _limited(receive: Receive, limit: int) -> Receive:
     """Receive a body of at most so many bytes, the next piece of which comes soon."""
-    left, coming = limit, True
+    left = limit
+    coming = True
 
     async def take() -> Message:
         nonlocal left, coming

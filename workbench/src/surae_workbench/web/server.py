@@ -175,7 +175,8 @@ class _Server(uvicorn.Server):
         self, config: uvicorn.Config, answers: Callable[[], None], stops: Callable[[], None]
     ) -> None:
         super().__init__(config)
-        self._answers, self._stops = answers, stops
+        self._answers = answers
+        self._stops = stops
         self.failed = True
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:

@@ -76,7 +76,9 @@ class BrowserSessions:
     """All sessions of a project."""
 
     def __init__(self, project: Project, events: Events) -> None:
-        self._project, self._database, self._events = project, project.database, events
+        self._project = project
+        self._database = project.database
+        self._events = events
         self.project_id = project.id  #: Names it among others on the same computer.
         # Those that did nothing will not be missed.
         idle = "DELETE FROM session WHERE revision = 0 AND seen < ?"
@@ -102,8 +104,11 @@ class BrowserSessions:
         session, cookie = BrowserSession.new()
         self._database.write(
             "INSERT INTO session VALUES (?, ?, ?, 0, ?)",
-            session.key, session.csrf, json.dumps(empty_draft()), time.time(),
-        )  # fmt: skip
+            session.key,
+            session.csrf,
+            json.dumps(empty_draft()),
+            time.time(),
+        )
         return session, cookie
 
     def draft(self, session: BrowserSession) -> Draft:
@@ -250,13 +255,19 @@ class BrowserSessions:
         self._database.write(
             "INSERT INTO step (session, done, label, kind, before, after) "
             "VALUES (?, 1, ?, ?, ?, ?)",
-            key, label, kind, json.dumps(before), json.dumps(after),
-        )  # fmt: skip
+            key,
+            label,
+            kind,
+            json.dumps(before),
+            json.dumps(after),
+        )
         self._database.write(
             "DELETE FROM step WHERE session = ? AND id <= "
             "(SELECT id FROM step WHERE session = ? ORDER BY id DESC LIMIT 1 OFFSET ?)",
-            key, key, _STEPS,
-        )  # fmt: skip
+            key,
+            key,
+            _STEPS,
+        )
 
     def _next(self, session: BrowserSession, *, done: bool) -> _Step | None:
         """The step to take back (done) or to do again; damaged ones are passed over."""
@@ -264,8 +275,9 @@ class BrowserSessions:
         for row in self._database.rows(
             "SELECT id, label, kind, before, after FROM step WHERE session = ? AND done = ? "
             f"ORDER BY id {order} LIMIT {_STEPS}",
-            session.key, done,
-        ):  # fmt: skip
+            session.key,
+            done,
+        ):
             with suppress(ValueError, KeyError):
                 state = _STATES[row[2]].validate_python
                 return _Step(*row[:3], *(state(plain(text)) for text in row[3:]))
@@ -294,8 +306,10 @@ class BrowserSessions:
     def _write(self, session: BrowserSession, draft: Draft, revision: int) -> None:
         self._database.write(
             "UPDATE session SET draft = ?, revision = ? WHERE key = ?",
-            json.dumps(draft, allow_nan=False), revision, session.key,
-        )  # fmt: skip
+            json.dumps(draft, allow_nan=False),
+            revision,
+            session.key,
+        )
 
     def _tell(self, session: BrowserSession, revision: int) -> None:
         self._events.tell(f"session:{session.key}", "draft", {"revision": revision})

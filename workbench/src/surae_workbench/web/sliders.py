@@ -14,7 +14,8 @@ from surae_workbench.web.curves import plain
 from surae_workbench.web.draft import Draft, spec_of, values_of
 
 #: Longest signals that a slider simulates at their full rate; longer ones are thinned.
-_RIGID, _COMPLIANT = 400_000, 12_000
+_RIGID = 400_000
+_COMPLIANT = 12_000
 
 #: Memory for simulators [bytes].
 _KEPT = 300e6
@@ -37,7 +38,8 @@ def live(
     `values` are by parameter, all others the draft's; at most so many `points` are given; `key`,
     which begins with the recording, names `inputs`.
     """
-    spec, options = spec_of(draft), api.ModelOptions.of(**draft["options"])
+    spec = spec_of(draft)
+    options = api.ModelOptions.of(**draft["options"])
     if model is not None:
         spec = api.with_optional(api.get_model(model), set(values))
     for name in values:
@@ -67,7 +69,8 @@ def live(
         error = (measured - torque)[counted]
         followed = api.centred_r2([(measured[counted], error)])
         if np.isfinite(followed):
-            r2, rmse = followed, float(np.sqrt(np.mean(error**2)))
+            r2 = followed
+            rmse = float(np.sqrt(np.mean(error**2)))
     return {
         "t": plain(fewer_inputs.time[shown]),
         "modelled": plain(torque[shown]),
@@ -90,9 +93,16 @@ def warm() -> None:
     t = np.arange(n) / 128.0
     zeros = np.zeros(n)
     inputs = api.ModelInputs(
-        name="warm", rate_hz=128.0, time=t, angle=0.1 * np.sin(t), velocity=0.1 * np.cos(t),
-        acceleration=zeros, emg=np.full((n, 4), 1e-5), emg_unit="V", torque=zeros,
-    )  # fmt: skip
+        name="warm",
+        rate_hz=128.0,
+        time=t,
+        angle=0.1 * np.sin(t),
+        velocity=0.1 * np.cos(t),
+        acceleration=zeros,
+        emg=np.full((n, 4), 1e-5),
+        emg_unit="V",
+        torque=zeros,
+    )
     for spec in api.MODELS.values():
         options = api.ModelOptions()
         vector = np.array([p.start for p in api.adapted(spec.parameters, options).values()])

@@ -134,8 +134,12 @@ def _estimate(told: "api.Measure | api.ParameterEstimate", sem: float | None) ->
     """A measure or parameter as tables show it."""
     low, high = told.ci95 or (None, None)
     return {
-        "value": told.value, "sem": sem, "low": low, "high": high, "verdict": str(told.verdict),
-    }  # fmt: skip
+        "value": told.value,
+        "sem": sem,
+        "low": low,
+        "high": high,
+        "verdict": str(told.verdict),
+    }
 
 
 def profile(task: Task) -> dict[str, Any]:
@@ -190,7 +194,8 @@ _OWN = ("durations", "id", "root")
 
 def design(task: Task) -> dict[str, Any]:
     """Search a protocol of each duration; the best until it is stopped is kept."""
-    designs, each = list[dict[str, Any]](), task["evaluations"]
+    designs = list[dict[str, Any]]()
+    each = task["evaluations"]
     settings = {key: value for key, value in task.items() if key not in _OWN}
     for k, seconds in enumerate(task["durations"]):
         with _compiling():

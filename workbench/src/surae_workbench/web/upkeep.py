@@ -61,7 +61,8 @@ def backup(folder: PathLike, to: PathLike, progress: Progress | None = None) -> 
 
     A copy that is not whole is a ComputationError.
     """
-    root, target = _project(folder), Path(os.path.realpath(to))
+    root = _project(folder)
+    target = Path(os.path.realpath(to))
     cannot = f"cannot copy to {shown(to)}"
     if target.exists():
         raise InputError(f"{cannot}: it exists; give a folder that does not")
@@ -120,7 +121,9 @@ def _opened(root: Path, name: str = DATABASE) -> Iterator[sqlite3.Connection]:
 
 def _checked(root: Path, file: sqlite3.Connection, progress: Progress | None) -> Checked:
     """What a check sees of a database that can be read."""
-    problems, unsealed, whole = list[str](), list[str](), 0
+    problems = list[str]()
+    unsealed = list[str]()
+    whole = 0
     with sqlite_errors(DATABASE, FORMAT):
         rows = file.execute("SELECT kind, id, created, data, deleted FROM thing").fetchall()
     for number, (kind, id_, created, text, deleted) in enumerate(rows):

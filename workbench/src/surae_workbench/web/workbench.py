@@ -20,7 +20,9 @@ from surae_workbench.web.rows import Entry
 from surae_workbench.web.sessions import BrowserSession, BrowserSessions
 
 #: Memory for recordings, for what models read, and for reports [bytes].
-_RECORDINGS, _PREPARED, _REPORTS = 400e6, 400e6, 40e6
+_RECORDINGS = 400e6
+_PREPARED = 400e6
+_REPORTS = 40e6
 
 
 class Workbench:

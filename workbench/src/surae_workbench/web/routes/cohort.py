@@ -16,8 +16,23 @@ from surae_workbench.web.workbench import Workbench
 router = APIRouter(prefix="/api", responses=ERRORS, tags=["cohort"])
 
 #: Columns of the file before the estimates; `model` is what the command line calls it.
-_LABELS = ("subject", "group", "side", "visit", "trial", "condition", "model_title", "model",
-           "status", "vaf", "ipde", "grade", "r2", "name", "created")  # fmt: skip
+_LABELS = (
+    "subject",
+    "group",
+    "side",
+    "visit",
+    "trial",
+    "condition",
+    "model_title",
+    "model",
+    "status",
+    "vaf",
+    "ipde",
+    "grade",
+    "r2",
+    "name",
+    "created",
+)
 
 Which = Annotated[Literal["legs", "all"], Query()]
 
@@ -25,7 +40,8 @@ Which = Annotated[Literal["legs", "all"], Query()]
 @router.get("/cohort")
 def get_cohort(request: Request, bench: Bench, which: Which = "legs") -> dict[str, Any]:
     """Measures and parameters of every leg, a row for each visit; or of every fit."""
-    rows, words = _rows(bench, which), api.words_in(language_of(request))
+    rows = _rows(bench, which)
+    words = api.words_in(language_of(request))
     return {
         "measures": [
             {"name": name, "title": words.measure(name), "unit": unit}

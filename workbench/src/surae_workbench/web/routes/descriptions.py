@@ -28,7 +28,8 @@ router = APIRouter(prefix="/api", responses=ERRORS, tags=["recordings"])
 def get_description(id: PathId, bench: Bench) -> dict[str, Any]:
     """How it is described now, the columns to choose from, and what else is of the same kind."""
     row = bench.project.need("recording", id)
-    path, first = str(bench.project.file("recording", id)), first_mapping(row)
+    path = str(bench.project.file("recording", id))
+    first = first_mapping(row)
     columns = bench.workers.ask("remap:imported_columns", path=path, first=first)
     named = ", ".join(file["name"] for file in row["files"])
     return {

@@ -67,7 +67,9 @@ def move(step: Literal["undo", "redo"], bench: Bench, browser: Browser) -> dict[
 def get_parameters(bench: Bench, browser: Browser) -> dict[str, Any]:
     """The parameters of the draft's model, and why it cannot be fitted, where it cannot."""
     draft = bench.sessions.draft(browser)
-    problem, unit, prescribed = None, "V", dict[str, float]()
+    problem = None
+    unit = "V"
+    prescribed = dict[str, float]()
     try:
         bench.draft_recordings(draft)
         _, inputs = prepared_draft(bench, draft)
@@ -94,7 +96,7 @@ def get_models() -> dict[str, Any]:
             for name, words in DRIVES.items()
         ],
         "settings": form(),
-    }  # fmt: skip
+    }
 
 
 @router.post("/live")
@@ -110,7 +112,11 @@ def post_live(body: LiveRequest, bench: Bench, browser: Browser) -> dict[str, An
         _, every = prepared_draft(bench, draft)
         inputs = api.normalised(inputs, every[0].emg_reference)
     shown = live(
-        inputs, draft, body.values, model=body.model, points=body.points,
+        inputs,
+        draft,
+        body.values,
+        model=body.model,
+        points=body.points,
         key=(id_, settings.prepared, settings.preparation, inputs.emg_reference),
-    )  # fmt: skip
+    )
     return {"recording": id_, **shown}

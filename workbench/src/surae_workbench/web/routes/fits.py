@@ -58,13 +58,15 @@ def get_fit(id: PathId, bench: Bench) -> dict[str, Any]:
         "summary": fit_summary(bench, fit),
         "parameters": {
             name: {
-                "value": p["value"], "free": p["verdict"] != "fixed", "unit": units.get(name, "")
+                "value": p["value"],
+                "free": p["verdict"] != "fixed",
+                "unit": units.get(name, ""),
             }
             for name, p in fit["parameters"].items()
         },
         "settings": shown(upgraded(fit["settings"])),
         "profiles": fit.get("profiles", {}),
-    }  # fmt: skip
+    }
 
 
 @router.patch("/fits/{id}")

@@ -67,7 +67,8 @@ for _page in (
 def session_page(id: PathId, request: Request, bench: Bench, browser: Browser) -> Response:
     """A leg: what its report shows."""
     bench.project.need("session", id)
-    kept, shown = bench.project.file("session", id), ""
+    kept = bench.project.file("session", id)
+    shown = ""
     with suppress(OSError, ValueError, KeyError, TypeError, UndefinedError):  # missing, or damaged
         blocks = json.loads(kept.read_text(encoding="utf-8"))
         translated = blocks.pop("translated", {})
@@ -78,7 +79,9 @@ def session_page(id: PathId, request: Request, bench: Bench, browser: Browser) -
 @router.get("/fits/{id}", name="result")
 def fit_page(id: PathId, request: Request, bench: Bench, browser: Browser) -> Response:
     """A fit: its report, and what else can be tried."""
-    name, problem, shown = bench.project.need("fit", id)["name"], "", ""
+    name = bench.project.need("fit", id)["name"]
+    problem = ""
+    shown = ""
     fit = str(bench.project.file("fit", id))
 
     def make() -> bytes:

@@ -82,7 +82,8 @@ def get_choices() -> dict[str, Any]:
 @router.post("/preview")
 def post_preview(body: ProtocolPreview) -> dict[str, Any]:
     """The motion, the effort, the limits, the coverage, and the standard errors to expect."""
-    begin, settings = time.perf_counter(), body.settings
+    begin = time.perf_counter()
+    settings = body.settings
     trajectory = trajectory_of(settings)
     if len(trajectory.time) > _PREDICTED:
         raise InputError(
@@ -124,7 +125,8 @@ def post_csv(body: ProtocolFile) -> Response:
 
     It is within the device's limits, or beyond them for a reason.
     """
-    trajectory, reason = trajectory_of(body.settings), " ".join(body.reason.split())
+    trajectory = trajectory_of(body.settings)
+    reason = " ".join(body.reason.split())
     exceeded = [limit["text"] for limit in limits(trajectory) if limit["exceeded"]]
     if exceeded and not reason:
         raise InputError(

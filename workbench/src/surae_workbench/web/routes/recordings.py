@@ -174,7 +174,8 @@ def get_window(
 @router.get("/nerve")
 def get_nerve(recordings: Several, by: By, bench: Bench, request: Request) -> dict[str, str]:
     """How much is nerve in recordings of one leg, as the report shows it."""
-    own, language = _of_one(bench, recordings), language_of(request)
+    own = _of_one(bench, recordings)
+    language = language_of(request)
     return {"html": bench.workers.ask("tasks:nerve", recordings=own, by=by, language=language)}
 
 
@@ -183,7 +184,8 @@ def get_nerve_report(
     kind: Literal["html", "pdf"], recordings: Several, by: By, bench: Bench, request: Request
 ) -> Response:
     """The same as one file to keep."""
-    own, language = _of_one(bench, recordings), language_of(request)
+    own = _of_one(bench, recordings)
+    language = language_of(request)
     write = partial(bench.workers.ask, "tasks:nerve", recordings=own, by=by, language=language)
     data = made_file(f"nerve.{kind}", lambda path: write(output=str(path)))
     return Response(

@@ -103,7 +103,8 @@ def get_session(id: PathId, bench: Bench) -> dict[str, Any]:
 @router.patch("/{id}")
 def patch_session(id: PathId, body: LegPatch, bench: Bench) -> Leg:
     """Say whose leg it is, when the visit was, what it is called, and what it is compared with."""
-    changes, row = body.model_dump(exclude_unset=True), bench.project.need("session", id)
+    changes = body.model_dump(exclude_unset=True)
+    row = bench.project.need("session", id)
     for key, kind in (("subject", "subject"), ("before", "session")):
         if changes.get(key) is not None:
             bench.project.need(kind, changes[key])
@@ -159,10 +160,17 @@ def get_report(
     own = session_summary(bench, row)
     called = " ".join(dict.fromkeys((*own.name.split(", "), own.visit, language)))
     return report_file(
-        bench, {**row, "name": called}, kind, "tasks:leg_report",
-        blocks=str(blocks), language=language, comparison=comparison(bench, row), name=own.name,
-        side=own.side or "", day=own.visit,
-    )  # fmt: skip
+        bench,
+        {**row, "name": called},
+        kind,
+        "tasks:leg_report",
+        blocks=str(blocks),
+        language=language,
+        comparison=comparison(bench, row),
+        name=own.name,
+        side=own.side or "",
+        day=own.visit,
+    )
 
 
 def comparison(bench: Workbench, row: Entry) -> str:
@@ -170,24 +178,34 @@ def comparison(bench: Workbench, row: Entry) -> str:
 
     Its visits and those of the person's other leg are shown beside both that are compared.
     """
-    own, before = session_summary(bench, row), str(row.get("before"))
+    own = session_summary(bench, row)
+    before = str(row.get("before"))
     known = {each["id"]: session_summary(bench, each) for each in bench.database.all("session")}
     if own.fit is None or before not in known or known[before].fit is None:
         return ""
     alike = [
-        each for each in known.values()
+        each
+        for each in known.values()
         if each.fit and own.subject is not None and each.subject == own.subject
-    ]  # fmt: skip
+    ]
     shown = {each.id: each for each in (known[before], own, *alike[-_VISITS:])}
     visits = sorted(shown.values(), key=lambda each: (each.visit, each.name))
     ids = [each.id for each in visits]
-    return json.dumps({
-        "visits": [
-            (each.name, each.visit, each.side or "", str(bench.project.file("fit", each.fit or "")))
-            for each in visits
-        ],
-        "before": ids.index(before), "after": ids.index(own.id),
-    })  # fmt: skip
+    return json.dumps(
+        {
+            "visits": [
+                (
+                    each.name,
+                    each.visit,
+                    each.side or "",
+                    str(bench.project.file("fit", each.fit or "")),
+                )
+                for each in visits
+            ],
+            "before": ids.index(before),
+            "after": ids.index(own.id),
+        }
+    )
 
 
 def sorted_as(
@@ -204,12 +222,20 @@ def sorted_as(
     for id_, row in rows.items():
         trial = trials[row["name"]]
         what, use = api.trial_words(trial)
-        told.append({
-            "recording": id_, "name": row["name"], "effort": trial.effort, "stated": trial.stated,
-            "fitted": trial.use == "fit", "perturbed": trial.use == "nerve", "what": what,
-            "why": trial.why, "use": use,
-            "problem": trial.problem,
-        })  # fmt: skip
+        told.append(
+            {
+                "recording": id_,
+                "name": row["name"],
+                "effort": trial.effort,
+                "stated": trial.stated,
+                "fitted": trial.use == "fit",
+                "perturbed": trial.use == "nerve",
+                "what": what,
+                "why": trial.why,
+                "use": use,
+                "problem": trial.problem,
+            }
+        )
     return told
 
 
@@ -226,7 +252,8 @@ def _day(row: Entry) -> str:
 
 def keep_session(bench: Workbench, job: Entry, end: Mapping[str, Any]) -> str:
     """Add a session to the project, and its fits as fits like any other."""
-    task, ids = job["task"], {}
+    task = job["task"]
+    ids = {}
     by_name = {name: id_ for id_, name in task["names"].items()}
     for name, summary in end["summaries"].items():
         joint = name == "joint"

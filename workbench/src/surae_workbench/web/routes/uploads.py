@@ -56,7 +56,9 @@ async def post_upload(
 ) -> Upload:
     """Take one file, streamed to disk as it comes."""
     await run_in_threadpool(_refuse_more, bench, browser)
-    id_, count, digest = new_id(), 0, hashlib.sha256()
+    id_ = new_id()
+    count = 0
+    digest = hashlib.sha256()
     folder = await run_in_threadpool(bench.project.uploads, browser.key)
     path = folder / id_
     try:
@@ -131,7 +133,8 @@ def get_units() -> dict[str, Any]:
 @router.post("/imports/preview")
 def preview_import(body: ImportRequest, bench: Bench, browser: Browser) -> dict[str, Any]:
     """What a mapping makes of the files."""
-    result, mapping = _imported(body, bench, browser, None), body.mapping.model_dump(mode="json")
+    result = _imported(body, bench, browser, None)
+    mapping = body.mapping.model_dump(mode="json")
     findings = proposals(result["findings"], mapping["channels"])
     return {**result, "findings": findings, "twin": _twin(bench, result["files"], mapping)}
 
@@ -144,15 +147,22 @@ def post_import(body: ImportRequest, bench: Bench, browser: Browser) -> Recordin
     id_ = new_id()
     result = _imported(body, bench, browser, str(bench.project.file("recording", id_)))
     return _added(
-        bench, id_, result, body.subject, body.trial or "", body.condition or "",
-        body.mapping.model_dump(mode="json"), body.visit,
-    )  # fmt: skip
+        bench,
+        id_,
+        result,
+        body.subject,
+        body.trial or "",
+        body.condition or "",
+        body.mapping.model_dump(mode="json"),
+        body.visit,
+    )
 
 
 @router.post("/demo", status_code=201)
 def post_demo(bench: Bench) -> Recording:
     """Make a recording of the virtual subject, of whom there is one more trial each time."""
-    id_, known = new_id(), _virtual(bench)
+    id_ = new_id()
+    known = _virtual(bench)
     trial = 1 + sum(
         known is not None and recording["subject"] == known
         for recording in bench.database.all("recording")
