@@ -9,7 +9,7 @@ from pytest_benchmark.fixture import BenchmarkFixture
 from threadpoolctl import threadpool_limits
 
 from surae.inference import FitProblem, assess, fit_problem
-from surae.inference.residuals import simulators
+from surae.inference.least_squares.residuals import simulators
 from surae.inference.uncertainty.covariance import covariance
 
 import baseline

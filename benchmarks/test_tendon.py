@@ -12,7 +12,7 @@ from scipy.optimize import least_squares
 from threadpoolctl import threadpool_limits
 
 from surae.inference import FitProblem, fit_problem, make_problem
-from surae.inference.residuals import simulators
+from surae.inference.least_squares.residuals import simulators
 from surae.model import ModelOptions
 from surae.protocol import Protocol, generate
 from surae.studies import virtual_subject, virtual_trial

@@ -124,10 +124,10 @@ def _direction(inputs: "ModelInputs") -> FloatArray:
     ),
 """,
         ),
-        ("model/sources.py", "    UncertaintySource(", FRICTION),
+        ("model/source_table.py", "    UncertaintySource(", FRICTION),
     ],
     "a source of uncertainty that nothing is estimated for": [
-        ("model/sources.py", "    UncertaintySource(", SCALE),
+        ("model/source_table.py", "    UncertaintySource(", SCALE),
         (
             "inference/uncertainty/combined.py",
             "    return Uncertainty(",
@@ -208,7 +208,7 @@ msgstr "the trial is brief"
 """,
         ),
         (
-            "inference/adequacy.py",
+            "inference/judging/adequacy.py",
             "def _unlike(",
             '''\
 def _brief(result: FitResult) -> Iterator[Reason]:
@@ -220,12 +220,16 @@ def _brief(result: FitResult) -> Iterator[Reason]:
 
 ''',
         ),
-        ("inference/adequacy.py", "        *_unlike(result, odd)", "        *_brief(result),\n"),
+        (
+            "inference/judging/adequacy.py",
+            "        *_unlike(result, odd)",
+            "        *_brief(result),\n",
+        ),
     ],
     "a verdict": [
-        ("inference/parameter.py", '    FIXED = "fixed"', '    HEARSAY = "hearsay"\n'),
+        ("inference/judging/parameter.py", '    FIXED = "fixed"', '    HEARSAY = "hearsay"\n'),
         (
-            "inference/parameter.py",
+            "inference/judging/parameter.py",
             "    relative = half / abs(value) if value else np.inf",
             """\
     if name == "tau_rel":

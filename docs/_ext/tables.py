@@ -19,7 +19,7 @@ from surae.model.parameters import (
     Parameter,
 )
 from surae.model.registry import PARAMETERS as EVERY
-from surae.model.sources import SOURCES, source_of
+from surae.model.source_table import SOURCES, source_of
 from surae.recording.described import MappedChannel, MappedRecording
 from surae_thesis.model_2010 import PARAMETERS_2010
 

@@ -7,7 +7,7 @@ import pytest
 
 from surae.base.frozen import read_only
 from surae.inference import Grade, Verdict, assess, fit_problem, make_problem
-from surae.inference.adequacy import _is_odd, judge_adequacy, structure
+from surae.inference.judging.adequacy import _is_odd, judge_adequacy, structure
 from surae.model.source import Gaussian
 from surae.quality.finding import Finding, Quality
 

@@ -7,10 +7,10 @@ import pytest
 
 from surae.base.errors import InputError
 from surae.inference import Verdict, assess, fit_problem, make_problem
-from surae.inference.parameter import IDENTIFIED, judge_interval
-from surae.inference.residuals import Residuals
+from surae.inference.judging.parameter import IDENTIFIED, judge_interval
+from surae.inference.judging.validation import predict_others
+from surae.inference.least_squares.residuals import Residuals
 from surae.inference.uncertainty.covariance import half_width
-from surae.inference.validation import predict_others
 from surae.recording import SourceFile
 from surae.recording.recording import MUSCLES
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
-from surae.inference.least_squares import box_quadratic
+from surae.inference.least_squares.minimise import box_quadratic
 
 
 def problem(rng, p, *, condition=1e2):

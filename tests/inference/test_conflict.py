@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surae.inference.conflict import Conflict, conflicts
 from surae.inference.evidence import LaplaceApproximation
+from surae.inference.posterior.conflict import Conflict, conflicts
 from surae.model.source import Gaussian
 from surae.model.statements import RARE
 

@@ -8,7 +8,7 @@ import pytest
 import surae
 from richer_legs import richer_leg
 from surae.inference import Verdict, assess, make_problem, solve
-from surae.inference.contradiction import contradiction
+from surae.inference.least_squares.contradiction import contradiction
 from surae.protocol import Protocol, generate
 from surae.recording import MUSCLES, read
 from surae.signals import prepare

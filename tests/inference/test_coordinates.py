@@ -8,9 +8,9 @@ import pytest
 from richer_legs import richer_leg
 from surae.inference import make_problem
 from surae.inference.coordinates import Coordinates, is_straight
-from surae.inference.empirical_bayes import NEARLY_NONE
-from surae.inference.family import Family
-from surae.inference.valleys import white_noise
+from surae.inference.posterior.empirical_bayes import NEARLY_NONE
+from surae.inference.posterior.family import Family
+from surae.inference.posterior.valleys import white_noise
 from surae.model.laboratory import Gaussian
 from surae.model.parameters import OPTIONAL
 from surae.protocol import Protocol, generate

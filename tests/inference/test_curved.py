@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from surae.inference import make_problem
-from surae.inference.residuals import Residuals, curved_move
+from surae.inference.least_squares.residuals import Residuals, curved_move
 
 
 @pytest.mark.parametrize("geometry", ["thesis", "virtual-work"])

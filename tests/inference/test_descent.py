@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from surae.inference.descent import Secant, shorter
+from surae.inference.posterior.descent import Secant, shorter
 
 
 def _matrix(seed: int) -> np.ndarray:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from surae.inference import fit_problem, make_problem
-from surae.inference.drive_starts import delay_valleys, drives_off, held_off
-from surae.inference.residuals import Residuals
+from surae.inference.least_squares.drive_starts import delay_valleys, drives_off, held_off
+from surae.inference.least_squares.residuals import Residuals
 from surae.model import ModelOptions, get_model
 from surae.protocol import Protocol, generate
 from surae.recording import read

@@ -7,8 +7,8 @@ import pytest
 
 from surae.base.errors import InputError
 from surae.inference import assess, fit_problem, make_problem
-from surae.inference.residuals import Residuals
-from surae.inference.separable import solve_linear
+from surae.inference.least_squares.residuals import Residuals
+from surae.inference.least_squares.separable import solve_linear
 from surae.model import ModelOptions, get_model
 from surae.model.geometry import paths
 from surae.protocol import Protocol, generate

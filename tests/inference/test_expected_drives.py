@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from ankle_legs.movement import effort
-from surae.inference import drive_chain
-from surae.inference.expected_drives import expected_drives
+from surae.inference.posterior import drive_chain
+from surae.inference.posterior.expected_drives import expected_drives
 from surae.signals import inputs_as_given
 
 RATE, SECONDS = 64.0, 35.0

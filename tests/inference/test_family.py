@@ -13,13 +13,13 @@ from richer_legs import richer_leg
 from surae.base.errors import InputError
 from surae.base.frozen import read_only
 from surae.inference import AssessedFit, LeastSquares, Verdict, assess, make_problem, solve
-from surae.inference.adequacy import Grade, _laboratory, judge_adequacy
 from surae.inference.coordinates import is_straight
-from surae.inference.empirical_bayes import learnt_noise
-from surae.inference.latent import emg_noise
-from surae.inference.marginal import _by_path, marginal
-from surae.inference.random_effects import trial_spread
-from surae.inference.reasons import against
+from surae.inference.judging.adequacy import Grade, _laboratory, judge_adequacy
+from surae.inference.judging.marginal import _by_path, marginal
+from surae.inference.judging.random_effects import trial_spread
+from surae.inference.judging.reasons import against
+from surae.inference.posterior.empirical_bayes import learnt_noise
+from surae.inference.posterior.latent import emg_noise
 from surae.inference.saved.fit_json import load_saved, save_fit
 from surae.model import with_optional
 from surae.model.laboratory import ALL, laboratory

@@ -9,13 +9,13 @@ from scipy.signal import lfilter
 import surae
 from surae.base.frozen import read_only
 from surae.inference import make_problem
-from surae.inference.empirical_bayes import BEGIN
-from surae.inference.family import Family
-from surae.inference.fascicles import followed
-from surae.inference.film import noise_of_film
+from surae.inference.judging.fascicles import followed
 from surae.inference.noise import NoiseModel
-from surae.inference.posterior import LogPosterior
-from surae.inference.valleys import white_noise
+from surae.inference.posterior.empirical_bayes import BEGIN
+from surae.inference.posterior.family import Family
+from surae.inference.posterior.film import noise_of_film
+from surae.inference.posterior.log_posterior import LogPosterior
+from surae.inference.posterior.valleys import white_noise
 from surae.model import ModelOptions, get_model, with_optional
 from surae.protocol import Protocol, generate
 from surae.signals import Film

@@ -7,7 +7,7 @@ import pytest
 
 from surae.base.errors import InputError
 from surae.inference import assess, fit_problem, make_problem
-from surae.inference.residuals import Residuals
+from surae.inference.least_squares.residuals import Residuals
 from surae.inference.result import is_at_bound
 from surae.protocol import Protocol, generate, named_device
 from surae.signals.resample import thinning_factor

@@ -8,7 +8,7 @@ from toys import linear, toy_fit
 
 from surae.inference import assess, fit_problem, make_problem
 from surae.inference.identifiability.identified import identifiability, unexplained
-from surae.inference.residuals import Residuals
+from surae.inference.least_squares.residuals import Residuals
 from surae.protocol import Protocol, generate
 from surae.studies import virtual_subject, virtual_trial
 
@@ -160,7 +160,7 @@ def rich():
 
 def at_truth(rich, *free):
     """Identifiability at the true parameters, with these of the tendons estimated too."""
-    from surae.inference.least_squares import compress
+    from surae.inference.least_squares.minimise import compress
 
     subject, trial = rich
     truth = dict(subject.parameters) | TENDON

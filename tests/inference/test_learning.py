@@ -8,16 +8,16 @@ from scipy.linalg import block_diag
 
 from surae.base.frozen import read_only
 from surae.inference import make_problem
-from surae.inference import posterior as posterior_module
-from surae.inference.banded import solve_band, solve_band_transposed
-from surae.inference.empirical_bayes import BEGIN, learnt_sizes
-from surae.inference.family import Family
-from surae.inference.laplace import shifts_by_source, softened
-from surae.inference.latent import SOURCES
-from surae.inference.linearised import measured
 from surae.inference.noise import NoiseModel
-from surae.inference.posterior import LogPosterior
-from surae.inference.valleys import white_noise
+from surae.inference.posterior import log_posterior as posterior_module
+from surae.inference.posterior.banded import solve_band, solve_band_transposed
+from surae.inference.posterior.empirical_bayes import BEGIN, learnt_sizes
+from surae.inference.posterior.family import Family
+from surae.inference.posterior.laplace import shifts_by_source, softened
+from surae.inference.posterior.latent import SOURCES
+from surae.inference.posterior.linearised import measured
+from surae.inference.posterior.log_posterior import LogPosterior
+from surae.inference.posterior.valleys import white_noise
 from surae.protocol import Protocol, generate
 from surae.signals import Film
 from surae.studies import virtual_subject, virtual_trial

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from surae.inference.least_squares import Outcome, column_norms, compress, minimise
+from surae.inference.least_squares.minimise import Outcome, column_norms, compress, minimise
 
 INF = np.full(2, np.inf)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import surae
-from surae.inference.fascicles import fascicles_of
+from surae.inference.judging.fascicles import fascicles_of
 from surae.protocol.planning.information import covariance_if_filmed
 from surae.report.budget import what_would_help
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from surae.inference.least_squares import Outcome, minimise
+from surae.inference.least_squares.minimise import Outcome, minimise
 from surae.inference.uncertainty.covariance import covariance
 
 FOLDER = Path(__file__).parent / "nist"

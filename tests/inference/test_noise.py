@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from surae.inference.judging.goodness import autocovariance
 from surae.inference.noise import NoiseModel, autoregressive, level_above, whitened
-from surae.inference.residual import autocovariance
 
 PHI = np.array([1.6, -0.7])
 

@@ -7,8 +7,8 @@ import pytest
 from scipy.signal import lfilter
 
 from surae.base.frozen import read_only
-from surae.inference.empirical_bayes import level_where_filtered
 from surae.inference.noise import noise_behind
+from surae.inference.posterior.empirical_bayes import level_where_filtered
 from surae.protocol import Protocol, generate
 from surae.signals.prepare import smoothed
 from surae.studies import virtual_subject, virtual_trial

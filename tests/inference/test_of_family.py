@@ -7,7 +7,7 @@ import pytest
 
 import surae
 from surae.base.frozen import read_only
-from surae.inference.parameter import percent
+from surae.inference.judging.parameter import percent
 from surae.model import ModelOptions, get_model
 from surae.protocol import Protocol, generate
 from surae.signals import Film

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from surae.inference.conflict import SAID
-from surae.inference.random_effects import farthest_apart
+from surae.inference.judging.random_effects import farthest_apart
+from surae.inference.posterior.conflict import SAID
 from surae.inference.result import OfRecording
 
 NAMES = tuple(f"p{i}" for i in range(16))

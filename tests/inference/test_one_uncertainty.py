@@ -14,10 +14,10 @@ from surae.base.formatting import estimate
 from surae.base.normal import NORMAL
 from surae.inference import assess, make_problem, solve
 from surae.inference.identifiability.identified import identifiability
-from surae.inference.residuals import simulators
+from surae.inference.least_squares.residuals import simulators
 from surae.inference.uncertainty.combined import combined
 from surae.measures.compute import evaluate, points
-from surae.model.sources import SOURCES
+from surae.model.source_table import SOURCES
 from surae.protocol.planning.legs import fit_legs
 from surae.report.parameters import parameters_section
 from surae.report.provenance import fit_settings

@@ -8,7 +8,7 @@ import pytest
 from surae.base.errors import InputError
 from surae.base.frozen import read_only
 from surae.inference import LOSSES, Interval, assess, fit_problem, fit_robust, make_problem
-from surae.inference.outliers import spread
+from surae.inference.least_squares.outliers import spread
 
 
 @pytest.fixture(scope="module")
@@ -146,7 +146,7 @@ def test_ctrl_c_leaves_the_least_squares(noisy, monkeypatch):
         calls.append(arguments)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("surae.inference.outliers._iterated", stopped)
+    monkeypatch.setattr("surae.inference.least_squares.outliers._iterated", stopped)
     result = fit_robust(problem, starts=1)
     assert calls
     assert result.status == "failed"
@@ -156,7 +156,7 @@ def test_ctrl_c_leaves_the_least_squares(noisy, monkeypatch):
 
 
 def test_weights_that_do_not_rest_are_a_failure(struck, monkeypatch):
-    monkeypatch.setattr("surae.inference.outliers._ROUNDS", 2)
+    monkeypatch.setattr("surae.inference.least_squares.outliers._ROUNDS", 2)
     result = fit_robust(make_problem([struck[0]]), starts=1)
     assert result.status == "failed"
     assert "did not rest in 2 rounds" in result.message
@@ -167,7 +167,7 @@ def test_a_search_that_loses_the_minimum_is_a_failure(struck, monkeypatch):
         found = fit_problem(problem, **given)
         return replace(found, sse=1.1 * found.sse)
 
-    monkeypatch.setattr("surae.inference.outliers.fit_problem", worse)
+    monkeypatch.setattr("surae.inference.least_squares.outliers.fit_problem", worse)
     result = fit_robust(make_problem([struck[0]]), starts=1)
     assert result.status == "failed"
     assert "no start came back" in result.message

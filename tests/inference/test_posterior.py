@@ -9,7 +9,7 @@ import pytest
 import surae
 from surae.base.errors import InputError
 from surae.inference import assess, fit_problem, make_problem
-from surae.inference.residuals import Residuals
+from surae.inference.least_squares.residuals import Residuals
 from surae.signals import thinned
 from surae.studies import virtual_trial
 from surae_posterior.profiles import profiles

@@ -7,7 +7,7 @@ import pytest
 
 from surae.base.errors import InputError
 from surae.inference import make_problem
-from surae.inference.residuals import Residuals
+from surae.inference.least_squares.residuals import Residuals
 from surae.model import ModelOptions
 from surae.model.parameters import MUSCLE_PARAMETERS
 

@@ -10,8 +10,8 @@ from toys import linear, toy_fit, toy_problem
 
 from surae.base.errors import InputError
 from surae.inference import Prior, fit_problem, make_problem
-from surae.inference.least_squares import compress
-from surae.inference.residuals import Residuals
+from surae.inference.least_squares.minimise import compress
+from surae.inference.least_squares.residuals import Residuals
 from surae_posterior.conditional import Conditional, ConditionalMinimum
 from surae_posterior.one_profile import profile
 

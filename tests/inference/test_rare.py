@@ -5,7 +5,8 @@ import pytest
 
 import surae
 from richer_legs import richer_leg
-from surae.inference import departures, make_problem, solve
+from surae.inference import make_problem, solve
+from surae.inference.posterior import departures
 from surae.model.laboratory import RARE
 
 

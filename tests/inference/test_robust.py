@@ -13,7 +13,7 @@ from scipy.signal import lfilter
 
 from surae.base.frozen import read_only
 from surae.inference import Interval, assess, fit_problem, make_problem
-from surae.inference.residuals import Residuals
+from surae.inference.least_squares.residuals import Residuals
 
 LINEAR = ("m", "g1", "g2", "g3", "g4")
 RHO = 0.9

@@ -13,8 +13,9 @@ from ankle_legs.make import make, truth_of
 from marks import slow
 from richer_legs import richer_leg
 from surae.base.frozen import read_only
-from surae.inference import Verdict, assess, make_problem, search, solve
-from surae.inference.look_back import explained
+from surae.inference import Verdict, assess, make_problem, solve
+from surae.inference.posterior import search
+from surae.inference.posterior.look_back import explained
 
 #: By how much less of the torque's changes `auto` may follow than model 1.0 [% of R²].
 LESS = 0.5

@@ -7,8 +7,8 @@ import pytest
 from scipy.optimize import lsq_linear
 
 from surae.inference import make_problem
-from surae.inference.residuals import Residuals
-from surae.inference.separable import scan_lengths, solve_linear
+from surae.inference.least_squares.residuals import Residuals
+from surae.inference.least_squares.separable import scan_lengths, solve_linear
 from surae.model import get_model
 
 MUSCLE = get_model("muscle")

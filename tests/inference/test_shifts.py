@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import norm
 
 from surae.inference.evidence import LaplaceApproximation, Subset, root, subsets
-from surae.inference.laplace import between_subsets, between_trials, dynamics
+from surae.inference.posterior.laplace import between_subsets, between_trials, dynamics
 
 RNG = np.random.default_rng(5)
 V = np.cov(RNG.standard_normal((3, 10)))

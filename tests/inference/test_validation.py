@@ -7,8 +7,8 @@ import pytest
 
 from surae.base.errors import InputError
 from surae.inference import assess
-from surae.inference.residual import rmse, vaf
-from surae.inference.validation import pooled, predict_others
+from surae.inference.judging.goodness import rmse, vaf
+from surae.inference.judging.validation import pooled, predict_others
 from surae.protocol import Protocol, generate
 from surae.studies import virtual_subject, virtual_trial
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from surae.inference.parameter import Verdict, judge_interval
+from surae.inference.judging.parameter import Verdict, judge_interval
 from surae.inference.uncertainty.covariance import Covariance
 
 

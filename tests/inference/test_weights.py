@@ -9,7 +9,7 @@ import pytest
 from surae.base.errors import InputError
 from surae.base.frozen import read_only
 from surae.inference import AssessedFit, Interval, assess, fit_problem, fit_robust, make_problem
-from surae.inference.residual import vaf, weighted_vaf
+from surae.inference.judging.goodness import vaf, weighted_vaf
 from surae.inference.saved.fit_json import load_saved, save_fit
 from surae.model import ModelOptions, get_model
 from surae.signals import Weighting, thinned, weighted

@@ -6,7 +6,7 @@ from scipy.signal import lfilter
 from scipy.stats import norm
 
 from surae.inference import whiteness
-from surae.inference.residual import autocovariance, most_lags
+from surae.inference.judging.goodness import autocovariance, most_lags
 
 
 def coloured(rho, n, seed=1):

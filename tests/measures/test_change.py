@@ -10,7 +10,7 @@ import pytest
 import surae
 from surae.base.frozen import FrozenDict
 from surae.inference import Grade
-from surae.inference.reasons import against
+from surae.inference.judging.reasons import against
 from surae.measures.change import SCATTER, ChangeVerdict, compare_sessions
 from surae.measures.compared import common_end, quantities
 

@@ -10,7 +10,7 @@ import surae
 from surae.base.errors import InputError
 from surae.base.frozen import FrozenDict
 from surae.inference import Adequacy, Grade
-from surae.inference.reasons import against
+from surae.inference.judging.reasons import against
 from surae.measures.change import ChangeVerdict, compare_sessions
 from surae.measures.compared import Quantities, Quantity
 

@@ -9,7 +9,7 @@ import pytest
 import surae
 from surae.base.errors import InputError
 from surae.inference import Grade, Verdict
-from surae.inference.reasons import against
+from surae.inference.judging.reasons import against
 from surae.inference.uncertainty.combined import ZERO
 from surae.measures import DEFINITIONS, measures, measures_of_values
 from surae.measures.compute import judged_measures, points

@@ -8,7 +8,7 @@ from scipy import stats
 from surae.base.errors import InputError
 from surae.base.frozen import FrozenDict
 from surae.inference import Adequacy, Grade, Verdict
-from surae.inference.reasons import against
+from surae.inference.judging.reasons import against
 from surae.measures import DEFINITIONS, Measure, Measures
 from surae.measures.norms import placed, read_norms
 

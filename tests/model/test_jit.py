@@ -66,7 +66,9 @@ def test_a_new_source_is_another_folder(fresh) -> None:
     assert folder_now() != before
 
 
-@pytest.mark.parametrize("source", ["model/registry.py", "model/parameters.py", "inference/fit.py"])
+@pytest.mark.parametrize(
+    "source", ["model/registry.py", "model/parameters.py", "inference/least_squares/fit.py"]
+)
 def test_a_sentence_elsewhere_compiles_nothing_again(fresh, source) -> None:
     before = folder_now()
     text = (fresh / source).read_text(encoding="utf-8")

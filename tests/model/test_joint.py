@@ -135,7 +135,7 @@ def test_nothing_that_is_read_speaks_of_an_ankle(fit, tmp_path, capsys) -> None:
 #: prior that is about heels.
 UNREAD = {
     ("quality/torque.py", "achilles"),
-    ("model/sources.py", "heel"),
+    ("model/source_table.py", "heel"),
 }
 
 

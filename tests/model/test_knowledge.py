@@ -13,7 +13,7 @@ from surae.model.geometry_file import read_geometry
 from surae.model.joint import ANKLE
 from surae.model.knowledge import Knowledge, Plate
 from surae.model.knowledge_file import known_from, read_knowledge, read_session_toml
-from surae.model.sources import SOURCES, advice
+from surae.model.source_table import SOURCES, advice
 from surae.model.statements import StatedArm, StatedAxis, StatedZero
 from surae.model.tare import tared, without
 from surae.settings import FitSettings

@@ -8,8 +8,8 @@ import pytest
 import surae
 from surae.api import fit_inputs
 from surae.base.errors import InputError
-from surae.inference.adequacy import Grade
-from surae.inference.reasons import against
+from surae.inference.judging.adequacy import Grade
+from surae.inference.judging.reasons import against
 from surae.protocol import Protocol, generate, named_device
 from surae.protocol.planning.design import _along
 from surae.protocol.planning.information import information, prior_precision, shared

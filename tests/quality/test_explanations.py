@@ -9,7 +9,7 @@ import surae
 from marks import slow
 from surae.base.frozen import read_only
 from surae.inference.diagnosis import quick
-from surae.inference.separable import scan_lengths
+from surae.inference.least_squares.separable import scan_lengths
 from surae.protocol import Protocol, generate
 from surae.quality import recording_of
 from surae.recording import Recording

@@ -5,8 +5,8 @@ import pytest
 
 from surae.base.formatting import estimate, percentage, significant, standard_error
 from surae.inference import AssessedFit
-from surae.inference.adequacy import Adequacy, Grade
-from surae.inference.reasons import against
+from surae.inference.judging.adequacy import Adequacy, Grade
+from surae.inference.judging.reasons import against
 from surae.report import block
 from surae.report.fit import fit_report
 

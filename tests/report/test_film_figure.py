@@ -8,7 +8,7 @@ from matplotlib.colors import to_rgb
 
 from surae.api.plots import Plots
 from surae.base.errors import InputError
-from surae.inference.fascicles import FascicleQuality, Fascicles
+from surae.inference.judging.fascicles import FascicleQuality, Fascicles
 from surae.report.figures.tendon import film_figure
 from surae.report.recordings import film_block, film_lines
 

@@ -8,7 +8,7 @@ import pytest
 
 from surae.base.frozen import read_only
 from surae.inference import AssessedFit, assess, fit_problem, fit_robust, make_problem
-from surae.inference.validation import predict_others
+from surae.inference.judging.validation import predict_others
 from surae.report.figures.torque import predictions_figure
 from surae.report.fit import fit_report
 from surae.report.sections import predictions_section

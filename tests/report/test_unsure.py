@@ -15,11 +15,11 @@ from surae.inference import (
     make_problem,
     solve,
 )
-from surae.inference.adequacy import Adequacy, Grade
-from surae.inference.reasons import against
+from surae.inference.judging.adequacy import Adequacy, Grade
+from surae.inference.judging.reasons import against
 from surae.inference.result import OfRecording
 from surae.inference.uncertainty.combined import Uncertainty
-from surae.model.sources import SOURCES
+from surae.model.source_table import SOURCES
 from surae.report import block
 from surae.report.budget import budget_of, budget_section, what_to_measure, what_would_help
 from surae.report.fit import fit_report

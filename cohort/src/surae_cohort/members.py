@@ -24,7 +24,7 @@ from surae.base.progress import Progress
 from surae.base.records import from_plain, to_plain
 from surae.base.units import FloatArray
 from surae.inference import AssessedFit, make_problem, solve
-from surae.inference.assessment import assess
+from surae.inference.judging.assessment import assess
 from surae.inference.saved.fit_json import load_saved
 from surae.measures.compared import Quantities, quantities
 from surae.settings import FitSettings

@@ -10,8 +10,8 @@ from surae.base.errors import InputError
 from surae.base.units import FloatArray
 from surae.inference import AssessedFit
 from surae.inference.coordinates import is_straight
-from surae.inference.linearised import measured
-from surae.inference.residuals import simulators
+from surae.inference.least_squares.residuals import simulators
+from surae.inference.posterior.linearised import measured
 from surae.model.prior import Prior
 from surae.recording.frames import library
 

@@ -8,9 +8,9 @@ import numpy as np
 
 from surae.base.units import FloatArray
 from surae.inference import FitResult, PosteriorMode, fit_problem
-from surae.inference.least_squares import Outcome, column_norms, minimise, sum_of_squares
-from surae.inference.posterior import LogPosterior, Point
-from surae.inference.residuals import Residuals, curved_move
+from surae.inference.least_squares.minimise import Outcome, column_norms, minimise, sum_of_squares
+from surae.inference.least_squares.residuals import Residuals, curved_move
+from surae.inference.posterior.log_posterior import LogPosterior, Point
 from surae_posterior.resumed import resumed
 
 #: A failed step ends the iteration when no more than this many noise variances are to be gained.

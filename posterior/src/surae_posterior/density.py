@@ -15,9 +15,9 @@ import numpy as np
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
 from surae.inference import FitProblem, FitResult
-from surae.inference.least_squares import minimise, sum_of_squares
+from surae.inference.least_squares.minimise import minimise, sum_of_squares
+from surae.inference.least_squares.residuals import Residuals
 from surae.inference.population_priors import checked_prior, wide_priors
-from surae.inference.residuals import Residuals
 from surae.model import adapted
 from surae.model.laboratory import laboratory
 from surae.model.prior import Prior

@@ -6,7 +6,7 @@ from typing import Any
 
 from surae.api import Fit
 from surae.base.setting import renamed, takes
-from surae.inference.assessment import variance_inflation
+from surae.inference.judging.assessment import variance_inflation
 from surae_posterior.one_profile import profiled
 from surae_posterior.profiles import NamedProgress, Profiles, profiles
 from surae_posterior.settings import ProfileSettings

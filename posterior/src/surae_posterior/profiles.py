@@ -15,7 +15,7 @@ from surae.base.tables import Tabular, TextTable
 from surae.base.threads import cores, one_blas_thread
 from surae.base.versions import versions
 from surae.inference import FitResult
-from surae.inference.assessment import described
+from surae.inference.judging.assessment import described
 from surae_posterior.conditional import surface_of
 from surae_posterior.one_profile import ParameterProfile, check_profiled, profile, profiled
 

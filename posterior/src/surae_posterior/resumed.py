@@ -5,8 +5,8 @@ from dataclasses import replace
 from surae.base.errors import InputError
 from surae.base.threads import one_blas_thread
 from surae.inference import FitResult, PosteriorMode
-from surae.inference.empirical_bayes import NEARLY_NONE, Reached
-from surae.inference.family import RATE_HZ, Family
+from surae.inference.posterior.empirical_bayes import NEARLY_NONE, Reached
+from surae.inference.posterior.family import RATE_HZ, Family
 
 
 def resumed(result: FitResult) -> Reached:

@@ -23,7 +23,7 @@ from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
 from surae.base.versions import versions
 from surae.inference import FitResult, LeastSquares
-from surae.inference.assessment import described
+from surae.inference.judging.assessment import described
 from surae.inference.uncertainty.covariance import Covariance, covariance, half_width
 from surae.model import adapted
 from surae.model.prior import Prior

@@ -41,10 +41,10 @@ from surae.inference import Adequacy as Adequacy
 from surae.inference import Prediction as Prediction
 from surae.inference import make_problem as make_problem
 from surae.inference import solve as solve
-from surae.inference.assessment import assess as assess
-from surae.inference.parameter import ParameterEstimate as ParameterEstimate
+from surae.inference.judging.assessment import assess as assess
+from surae.inference.judging.goodness import centred_r2 as centred_r2
+from surae.inference.judging.parameter import ParameterEstimate as ParameterEstimate
 from surae.inference.population_priors import population_priors as population_priors
-from surae.inference.residual import centred_r2 as centred_r2
 from surae.inference.saved.parameters_json import read_parameters as read_parameters
 from surae.measures import Measure as Measure
 from surae.measures import Measures as Measures

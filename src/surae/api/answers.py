@@ -15,7 +15,7 @@ from surae.base.files import PathLike
 from surae.base.plugins import plugins
 from surae.base.requests import ChangeSettings
 from surae.base.setting import renamed, takes
-from surae.inference.validation import Prediction, predict_others
+from surae.inference.judging.validation import Prediction, predict_others
 from surae.measures.change import Change, compare_sessions
 from surae.measures.compared import common_end, quantities
 from surae.signals import Weighting, weighted

@@ -16,13 +16,13 @@ from surae.base.frozen import FrozenDict
 from surae.base.plugins import plugins
 from surae.base.tables import Tabular, TextTable
 from surae.inference import AssessedFit
-from surae.inference.adequacy import Adequacy
-from surae.inference.assessment import assess
-from surae.inference.linearised import measured
-from surae.inference.parameter import ParameterEstimate
+from surae.inference.judging.adequacy import Adequacy
+from surae.inference.judging.assessment import assess
+from surae.inference.judging.parameter import ParameterEstimate
+from surae.inference.judging.validation import Prediction, predict_others
+from surae.inference.posterior.linearised import measured
 from surae.inference.saved.fit_json import save_fit
 from surae.inference.uncertainty.covariance import Covariance
-from surae.inference.validation import Prediction, predict_others
 from surae.model import TendonState, TorqueParts
 from surae.recording.frames import library
 from surae.settings import FitSettings
@@ -334,7 +334,7 @@ class Fit(Tabular, AssessedFit):
     @property
     def fascicles(self) -> Any:
         """Filmed fascicles over time, measured and modelled [m], as a pandas DataFrame."""
-        from surae.inference.fascicles import fascicles_of
+        from surae.inference.judging.fascicles import fascicles_of
         from surae.recording.frames import frame
 
         return frame(

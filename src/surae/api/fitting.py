@@ -12,9 +12,9 @@ from surae.base.files import PathLike, shown
 from surae.base.progress import SearchProgress, line_of_progress
 from surae.base.setting import takes
 from surae.inference import make_problem, solve
-from surae.inference.assessment import assess, outdated
+from surae.inference.judging.assessment import assess, outdated
+from surae.inference.least_squares.starts import Follow
 from surae.inference.saved.fit_json import load_saved
-from surae.inference.starts import Follow
 from surae.model import ModelOptions
 from surae.model.jit import on_compilation
 from surae.model.laboratory import AUTO

@@ -25,8 +25,8 @@ from surae.base.records import from_plain, to_plain
 from surae.base.threads import cores
 from surae.inference import Grade
 from surae.inference.diagnosis import STILL
-from surae.inference.residual import centred_r2, counted, vaf
-from surae.inference.validation import predict_others
+from surae.inference.judging.goodness import centred_r2, counted, vaf
+from surae.inference.judging.validation import predict_others
 from surae.processes import Child, End, Plain
 from surae.quality import Finding, Quality
 from surae.settings import FitSettings

@@ -13,7 +13,7 @@ from surae.api.session_run import StepProgress, run
 from surae.base.errors import InputError
 from surae.base.files import PathLike, paths_of, shown
 from surae.base.progress import SearchProgress, line_of_progress
-from surae.inference.starts import Follow
+from surae.inference.least_squares.starts import Follow
 from surae.model.knowledge_file import SESSION_TOML, SessionFile, known_from, read_session_toml
 from surae.model.laboratory import AUTO
 from surae.recording import Recording

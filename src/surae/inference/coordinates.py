@@ -6,8 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from surae.base.units import FloatArray
+from surae.inference.least_squares.residuals import valleys_among
 from surae.inference.problem import FitProblem
-from surae.inference.residuals import valleys_among
 from surae.model.laboratory import EACH_TRIAL, GROUPS
 from surae.model.registry import PARAMETERS
 from surae.model.source import Gaussian

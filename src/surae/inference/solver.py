@@ -4,12 +4,12 @@ from functools import partial
 
 from surae.base.errors import InputError
 from surae.base.progress import SearchProgress
-from surae.inference.fit import fit_problem
-from surae.inference.outliers import fit_robust
+from surae.inference.least_squares.fit import fit_problem
+from surae.inference.least_squares.outliers import fit_robust
+from surae.inference.least_squares.starts import Follow
+from surae.inference.posterior.search import fit_family
 from surae.inference.problem import FitProblem
 from surae.inference.result import FitResult
-from surae.inference.search import fit_family
-from surae.inference.starts import Follow
 from surae.model.jit import compile_all
 from surae.model.laboratory import AUTO
 

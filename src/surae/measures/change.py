@@ -35,8 +35,8 @@ from surae.base.normal import Student
 from surae.base.records import Saved
 from surae.base.tables import Tabular, TextTable
 from surae.base.words import Message
-from surae.inference.adequacy import Grade
-from surae.inference.parameter import percent
+from surae.inference.judging.adequacy import Grade
+from surae.inference.judging.parameter import percent
 from surae.measures.compared import Quantities, Quantity
 from surae.measures.table import LEADING
 

@@ -14,7 +14,7 @@ from surae.base.setting import is_number
 from surae.base.units import FloatArray
 from surae.base.words import Message
 from surae.inference import AssessedFit, FitResult, Grade, Verdict
-from surae.inference.parameter import IDENTIFIED, percent
+from surae.inference.judging.parameter import IDENTIFIED, percent
 from surae.inference.uncertainty.combined import Uncertainty
 from surae.measures.leg import Leg, NotDefinedError, leg_of, measured_range
 from surae.measures.measure import Measure, Measures

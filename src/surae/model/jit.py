@@ -33,7 +33,13 @@ vars(numba.config)["_config_fname"] = ""  # looked for again at every compilatio
 F = TypeVar("F", bound=Callable[..., Any])
 
 _PACKAGE = Path(__file__).resolve().parents[1]
-_KERNEL_FOLDERS = ("model", "inference", "protocol/planning")
+_KERNEL_FOLDERS = (
+    "model",
+    "inference",
+    "inference/least_squares",
+    "inference/posterior",
+    "protocol/planning",
+)
 #: What a source that has kernels says; they may take constants from such sources only.
 _IMPORT = b"from surae.model.jit import "
 #: So many folders are kept, and any that was used within so many days.

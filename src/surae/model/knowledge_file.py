@@ -14,7 +14,7 @@ from surae.base.records import from_file, from_plain, read_toml
 from surae.model.geometry_file import read_geometry
 from surae.model.knowledge import GEOMETRY_SD, Knowledge, Plate
 from surae.model.parameters import CROSSTALK
-from surae.model.sources import NUISANCES
+from surae.model.source_table import NUISANCES
 from surae.model.statements import StatedNumber
 from surae.model.tare import tared
 from surae.recording import Recording

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from surae.base.errors import InputError
 from surae.model.joint import ANKLE, Joint
 from surae.model.source import Gaussian, Nuisance
-from surae.model.sources import NUISANCES
+from surae.model.source_table import NUISANCES
 
 #: The name under which the family of models is asked for, and its rigid and compliant member.
 AUTO = "auto"

@@ -7,9 +7,9 @@ import numpy as np
 
 from surae.base.formatting import listed
 from surae.inference import AssessedFit, Assessment, LeastSquares, ParameterEstimate, Verdict
-from surae.inference.adequacy import Grade
-from surae.inference.parameter import percent
-from surae.model.sources import SOURCES, advice
+from surae.inference.judging.adequacy import Grade
+from surae.inference.judging.parameter import percent
+from surae.model.source_table import SOURCES, advice
 from surae.protocol.planning.information import covariance_if_filmed
 from surae.report import block
 

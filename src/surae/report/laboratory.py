@@ -4,13 +4,13 @@ import numpy as np
 
 from surae.base.formatting import NO_NUMBER, estimate, probability, significant
 from surae.inference import AssessedFit, FitResult, ParameterEstimate
-from surae.inference.adequacy import Grade
-from surae.inference.random_effects import trial_spread
+from surae.inference.judging.adequacy import Grade
+from surae.inference.judging.random_effects import trial_spread
 from surae.inference.result import Candidate
 from surae.model import get_model
 from surae.model.laboratory import group_of
 from surae.model.source import Gaussian
-from surae.model.sources import LABELS, NUISANCES
+from surae.model.source_table import LABELS, NUISANCES
 from surae.report import block
 
 #: Units as people read them: factor and name.

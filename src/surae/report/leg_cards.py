@@ -12,7 +12,7 @@ from surae.measures.change import Change, ChangeVerdict, Difference
 from surae.measures.norms import Norm, placed
 from surae.measures.table import LEADING
 from surae.measures.torque_curve import HeldPoint, MeasuredSlope, Stretch
-from surae.model.sources import advice
+from surae.model.source_table import advice
 from surae.report import block
 from surae.report.language import PARTS, Words
 

@@ -7,7 +7,7 @@ import numpy as np
 from surae.base.formatting import NO_NUMBER, chance, percentage, short, signed, significant
 from surae.base.units import FloatArray
 from surae.inference import RecordingQuality, Whiteness
-from surae.inference.fascicles import FascicleQuality, Fascicles
+from surae.inference.judging.fascicles import FascicleQuality, Fascicles
 from surae.recording.table import sample
 from surae.report import block
 from surae.report.cycles import find_cycles

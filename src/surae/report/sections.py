@@ -6,9 +6,9 @@ from statistics import median
 from surae.base.formatting import NO_NUMBER, percentage, significant
 from surae.base.normal import NORMAL
 from surae.inference import AssessedFit, Assessment, FitResult, Prediction, Verdict, pooled
-from surae.inference.assessment import described, variance_inflation
 from surae.inference.identifiability.identified import Direction, Identified, identifiability
-from surae.inference.parameter import IDENTIFIED
+from surae.inference.judging.assessment import described, variance_inflation
+from surae.inference.judging.parameter import IDENTIFIED
 from surae.model.joint import ANKLE, Joint
 from surae.report import block
 

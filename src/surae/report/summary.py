@@ -7,8 +7,8 @@ from dataclasses import replace
 from surae.base.formatting import estimate, in_a_line, percentage, short, significant
 from surae.base.tables import TextTable
 from surae.inference import AssessedFit, Assessment
-from surae.inference.assessment import outdated
-from surae.inference.parameter import ParameterEstimate
+from surae.inference.judging.assessment import outdated
+from surae.inference.judging.parameter import ParameterEstimate
 from surae.measures.compute import judged_measures, points
 from surae.measures.table import LEADING
 from surae.report.budget import what_would_help

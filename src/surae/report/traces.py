@@ -15,7 +15,7 @@ import numpy.typing as npt
 from surae.base.frozen import read_only
 from surae.base.units import FloatArray
 from surae.inference import FitResult
-from surae.inference.fascicles import Fascicles, followed
+from surae.inference.judging.fascicles import Fascicles, followed
 from surae.model import TendonState
 from surae.model.joint import ANKLE, Joint
 from surae.model.simulator import TorqueParts

@@ -2,8 +2,8 @@
 
 from surae.base.formatting import percentage
 from surae.inference import AssessedFit, Assessment, Interval
-from surae.inference.adequacy import Adequacy, Grade
-from surae.inference.assessment import outdated
+from surae.inference.judging.adequacy import Adequacy, Grade
+from surae.inference.judging.assessment import outdated
 from surae.report import block
 from surae.report.provenance import emphasis_text
 

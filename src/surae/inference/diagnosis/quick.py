@@ -15,9 +15,9 @@ from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
 from surae.base.words import Message
 from surae.inference import make_problem
-from surae.inference.least_squares import minimise
-from surae.inference.residuals import Residuals, curved_move
-from surae.inference.separable import scan_lengths, solve_linear
+from surae.inference.least_squares.minimise import minimise
+from surae.inference.least_squares.residuals import Residuals, curved_move
+from surae.inference.least_squares.separable import scan_lengths, solve_linear
 from surae.model.jit import compile_all
 from surae.quality.numeric import quantiles, shifted, smooth
 from surae.quality.trial import Signals

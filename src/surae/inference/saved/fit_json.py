@@ -21,13 +21,13 @@ from surae.base.packed import bound_arrays, encode
 from surae.base.records import FORMAT, OrNaN, check_format, from_plain, read_json, to_plain
 from surae.base.units import FloatArray
 from surae.inference import LOSSES, FitProblem, FitResult, LeastSquares, PosteriorMode, Start
-from surae.inference.adequacy import Adequacy, Grade
-from surae.inference.assessment import AssessedFit, Assessment, assess
-from surae.inference.parameter import Interval, ParameterEstimate
-from surae.inference.reasons import Reason, as_given
+from surae.inference.judging.adequacy import Adequacy, Grade
+from surae.inference.judging.assessment import AssessedFit, Assessment, assess
+from surae.inference.judging.parameter import Interval, ParameterEstimate
+from surae.inference.judging.reasons import Reason, as_given
 from surae.inference.result import Stage
 from surae.model import ModelOptions, check_value, get_model, with_optional
-from surae.model.sources import SOURCES
+from surae.model.source_table import SOURCES
 from surae.quality.finding import Quality
 from surae.recording.reading import is_recording
 from surae.settings import FitSettings

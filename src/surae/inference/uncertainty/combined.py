@@ -14,13 +14,13 @@ import numpy as np
 from surae.base.frozen import Comparable, FrozenDict, read_only
 from surae.base.normal import NORMAL
 from surae.base.units import FloatArray
-from surae.inference.contradiction import Contradiction
 from surae.inference.coordinates import is_straight
-from surae.inference.residuals import stiffness_valleys
+from surae.inference.least_squares.contradiction import Contradiction
+from surae.inference.least_squares.residuals import stiffness_valleys
 from surae.inference.result import FitResult, PosteriorMode
 from surae.inference.uncertainty.covariance import Covariance, inverse_root
 from surae.inference.uncertainty.robust import RobustCovariance
-from surae.model.sources import SOURCES
+from surae.model.source_table import SOURCES
 
 #: The angle of the fit at which the ankle has its own zero [rad], of which measures alone are made.
 ZERO = "zero_of_angle"

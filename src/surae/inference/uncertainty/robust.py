@@ -22,9 +22,9 @@ from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
 from surae.inference import FitResult, LeastSquares, Outliers
 from surae.inference.evidence import root as root_of
+from surae.inference.judging.goodness import Whiteness, autocovariance, most_lags, whiteness
+from surae.inference.least_squares.residuals import Residuals
 from surae.inference.noise import NoiseModel, autoregressive
-from surae.inference.residual import Whiteness, autocovariance, most_lags, whiteness
-from surae.inference.residuals import Residuals
 from surae.inference.uncertainty.covariance import Covariance, InverseRoot, inverse_root
 from surae.signals import ModelInputs
 

@@ -15,11 +15,11 @@ from surae.base.tables import Tabular, TextTable
 from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
 from surae.base.words import Message
-from surae.inference.parameter import IDENTIFIED, Verdict, judge_interval, judge_singular
+from surae.inference.judging.parameter import IDENTIFIED, Verdict, judge_interval, judge_singular
 from surae.inference.uncertainty.covariance import Covariance, half_width
 from surae.model import adapted
 from surae.model.joint import ANKLE
-from surae.model.sources import SOURCES, source_of
+from surae.model.source_table import SOURCES, source_of
 from surae.protocol import Trajectory
 from surae.protocol.planning.information import estimated, information, prior_precision
 from surae.protocol.planning.legs import Legs

@@ -14,7 +14,7 @@ from surae.base.frozen import Comparable, FrozenDict, read_only
 from surae.base.units import FloatArray
 from surae.base.words import Message
 from surae.inference import FitResult
-from surae.inference.film import DRIFT, DRIFT_S, group_of_film, names_of_film
+from surae.inference.posterior.film import DRIFT, DRIFT_S, group_of_film, names_of_film
 from surae.inference.uncertainty.combined import Uncertainty
 from surae.inference.uncertainty.covariance import Covariance, covariance
 from surae.model import ModelSpec, with_optional

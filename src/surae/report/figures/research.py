@@ -15,7 +15,7 @@ from surae.inference import Whiteness
 from surae.model import GeometryTable, ModelOptions
 from surae.model.geometry import paths
 from surae.model.joint import ANKLE
-from surae.model.sources import SOURCES
+from surae.model.source_table import SOURCES
 from surae.report import figures
 from surae.report.budget import BudgetTable
 from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED, WIDTH

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from surae.base.units import FloatArray
-from surae.inference.fascicles import Fascicles
+from surae.inference.judging.fascicles import Fascicles
 from surae.model import TendonLaw, TendonState
 from surae.report import figures
 from surae.report.figures import BLUE, GREY, INK, OCHRE, RED, WIDTH

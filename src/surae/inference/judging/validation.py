@@ -9,9 +9,9 @@ from surae.base.errors import InputError
 from surae.base.frozen import Comparable
 from surae.base.units import FloatArray
 from surae.inference import FitResult
-from surae.inference.adequacy import Adequacy, judge_prediction
-from surae.inference.fascicles import Fascicles, followed
-from surae.inference.residual import counted, rmse, vaf
+from surae.inference.judging.adequacy import Adequacy, judge_prediction
+from surae.inference.judging.fascicles import Fascicles, followed
+from surae.inference.judging.goodness import counted, rmse, vaf
 from surae.inference.uncertainty.combined import Uncertainty
 from surae.model import check_finite_torque
 from surae.recording import MUSCLES

@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 
 from surae.inference.coordinates import is_straight
-from surae.inference.expected_drives import expected_drives
-from surae.inference.film import names_of_film
-from surae.inference.fit import fit_problem
-from surae.inference.latent import Latents
-from surae.inference.linearised import REST
+from surae.inference.least_squares.fit import fit_problem
 from surae.inference.noise import NoiseModel
 from surae.inference.population_priors import WIDENED, wide_priors
-from surae.inference.posterior import LogPosterior
+from surae.inference.posterior.expected_drives import expected_drives
+from surae.inference.posterior.film import names_of_film
+from surae.inference.posterior.latent import Latents
+from surae.inference.posterior.linearised import REST
+from surae.inference.posterior.log_posterior import LogPosterior
 from surae.inference.problem import MASSES, FitProblem
 from surae.inference.result import TENDONS, FitResult
 from surae.model import get_model, with_optional

@@ -12,11 +12,19 @@ from surae.base.frozen import Comparable
 from surae.base.threads import one_blas_thread
 from surae.base.words import Message
 from surae.inference import FitResult, PosteriorMode
-from surae.inference.adequacy import Adequacy, Grade, judge_adequacy
-from surae.inference.contradiction import Contradiction, contradiction
-from surae.inference.fascicles import FascicleQuality, fascicles_of
-from surae.inference.marginal import marginal
-from surae.inference.parameter import (
+from surae.inference.judging.adequacy import Adequacy, Grade, judge_adequacy
+from surae.inference.judging.fascicles import FascicleQuality, fascicles_of
+from surae.inference.judging.goodness import (
+    LEVEL,
+    Whiteness,
+    centred_r2,
+    counted,
+    rmse,
+    vaf,
+    weighted_vaf,
+)
+from surae.inference.judging.marginal import marginal
+from surae.inference.judging.parameter import (
     IDENTIFIED,
     Interval,
     ParameterEstimate,
@@ -25,7 +33,7 @@ from surae.inference.parameter import (
     judge_singular,
     percent,
 )
-from surae.inference.residual import LEVEL, Whiteness, centred_r2, counted, rmse, vaf, weighted_vaf
+from surae.inference.least_squares.contradiction import Contradiction, contradiction
 from surae.inference.uncertainty.combined import (
     Uncertainty,
     combined,

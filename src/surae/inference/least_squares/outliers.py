@@ -13,13 +13,13 @@ from surae.base.progress import SearchProgress
 from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
 from surae.base.words import Message
-from surae.inference.fit import fit_problem
 from surae.inference.interrupt import postponed_interrupt
-from surae.inference.least_squares import Outcome, minimise
+from surae.inference.least_squares.fit import fit_problem
+from surae.inference.least_squares.minimise import Outcome, minimise
+from surae.inference.least_squares.residuals import Residuals
+from surae.inference.least_squares.starts import Follow
 from surae.inference.problem import FitProblem
-from surae.inference.residuals import Residuals
 from surae.inference.result import FitResult, LeastSquares, Outliers
-from surae.inference.starts import Follow
 from surae.settings import STARTS
 
 #: Makes the median of the absolute residual an estimate of a Gaussian's standard deviation.

@@ -7,13 +7,13 @@ import numpy as np
 from scipy.linalg import cho_solve, solve_triangular
 
 from surae.base.units import FloatArray
-from surae.inference.banded import solve_band_transposed
 from surae.inference.evidence import root
-from surae.inference.film import noise_of_film
-from surae.inference.latent import SOURCES, Latents
-from surae.inference.linearised import SensorRows, measured
 from surae.inference.noise import NoiseModel, level_above, noise_behind
-from surae.inference.posterior import Block, LogPosterior, Point
+from surae.inference.posterior.banded import solve_band_transposed
+from surae.inference.posterior.film import noise_of_film
+from surae.inference.posterior.latent import SOURCES, Latents
+from surae.inference.posterior.linearised import SensorRows, measured
+from surae.inference.posterior.log_posterior import Block, LogPosterior, Point
 from surae.signals import ModelInputs
 
 #: Largest order of the autoregression that tells the noise's slow part, and what is slow [Hz].

@@ -7,7 +7,7 @@ The gain of each electrode wanders within a trial, as skin and gel warm and musc
 the torque's zero; and what a model cannot express of a muscle's force is a smooth function of its
 length and velocity times that force. Tissue that has rested is stiffer for its first stretches
 (thixotropy): parameters are of tissue as it stays. All are Gaussian, of sizes that the data tell
-(`surae.inference.posterior`).
+(`surae.inference.posterior.log_posterior`).
 """
 
 from collections.abc import Mapping
@@ -17,8 +17,8 @@ import numpy as np
 from scipy.linalg import block_diag, solveh_banded
 
 from surae.base.units import FloatArray
-from surae.inference.banded import lifted
-from surae.inference.film import FilmView, hats, slices_of, views
+from surae.inference.posterior.banded import lifted
+from surae.inference.posterior.film import FilmView, hats, slices_of, views
 from surae.model.activation import IntArray
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs, smooth_effort

@@ -8,8 +8,8 @@ sum of squares has a valley where the filter makes the delay and one where emd d
 import numpy as np
 
 from surae.base.units import FloatArray
+from surae.inference.least_squares.separable import SomeRows, best_along, solve_linear
 from surae.inference.problem import FitProblem
-from surae.inference.separable import SomeRows, best_along, solve_linear
 from surae.model import get_model, with_optional
 from surae.model.parameters import OPTIONAL
 

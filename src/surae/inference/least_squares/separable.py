@@ -11,10 +11,15 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 
 from surae.base.units import FloatArray
-from surae.inference.least_squares import box_quadratic, column_norms, compress, sum_of_squares
+from surae.inference.least_squares.minimise import (
+    box_quadratic,
+    column_norms,
+    compress,
+    sum_of_squares,
+)
 from surae.inference.problem import FitProblem
 
-#: The rows of `surae.inference.least_squares.Rows`, of those free parameters alone that are named.
+#: The rows of `Rows` (`minimise.py`), of those free parameters alone that are named.
 SomeRows = Callable[[FloatArray, Sequence[int]], FloatArray]
 _SCAN_POINTS = 5
 #: Relative ridge that keeps the linear problem solvable when a channel is silent.

@@ -14,10 +14,10 @@ from scipy.linalg import cho_solve
 
 from surae.base.units import FloatArray
 from surae.inference.evidence import Subset, root
-from surae.inference.latent import SOURCES
-from surae.inference.posterior import Block, LogPosterior, Point
+from surae.inference.posterior.latent import SOURCES
+from surae.inference.posterior.log_posterior import Block, LogPosterior, Point
 from surae.model.laboratory import group_of
-from surae.model.sources import source_of
+from surae.model.source_table import source_of
 
 #: By how much a filter of the second order is not what excites a muscle, on the logarithm of f0, β
 #: and bandwidth; the same where force falls later than it rises, and where muscles have no

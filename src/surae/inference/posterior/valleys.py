@@ -10,11 +10,11 @@ from collections.abc import Mapping
 import numpy as np
 
 from surae.base.units import FloatArray
-from surae.inference.empirical_bayes import BEGIN, NEARLY_NONE, learnt_noise
-from surae.inference.family import FIRST_HZ, Family
-from surae.inference.least_squares import Outcome
+from surae.inference.least_squares.minimise import Outcome
 from surae.inference.noise import NoiseModel
-from surae.inference.posterior import LogPosterior, Point
+from surae.inference.posterior.empirical_bayes import BEGIN, NEARLY_NONE, learnt_noise
+from surae.inference.posterior.family import FIRST_HZ, Family
+from surae.inference.posterior.log_posterior import LogPosterior, Point
 from surae.inference.problem import FitProblem
 from surae.inference.result import Start
 

@@ -6,11 +6,16 @@ from dataclasses import replace
 import numpy as np
 
 from surae.base.units import FloatArray
-from surae.inference.drive_starts import delay_valleys, drives_off, held_off, own_columns
-from surae.inference.least_squares import Minimum, Outcome, minimise
+from surae.inference.least_squares.drive_starts import (
+    delay_valleys,
+    drives_off,
+    held_off,
+    own_columns,
+)
+from surae.inference.least_squares.minimise import Minimum, Outcome, minimise
+from surae.inference.least_squares.residuals import Residuals, curved_move
+from surae.inference.least_squares.separable import scan_lengths, solve_linear
 from surae.inference.problem import FitProblem
-from surae.inference.residuals import Residuals, curved_move
-from surae.inference.separable import scan_lengths, solve_linear
 from surae.model import ModelSpec, get_model, with_optional
 from surae.signals import thinned, thinning_factor
 
@@ -43,7 +48,7 @@ def from_start(problem: FitProblem, residuals: Residuals, follow: Follow | None)
     A model of rigid tendons solves its linear parameters first. A model with a parent takes the
     parent's minimum, then its own on thinned data: compliance changes the muscle's parameters by
     a few percent, so each lies in the valley of the next and costs a fraction of it. A problem
-    that frees drives begins at its minimum without them, see `surae.inference.drive_starts`.
+    that frees drives begins at its minimum without them, see `drive_starts.py`.
     """
     direct = _direct(problem, residuals, follow)
     if len(own_columns(problem)) == len(problem.free):

@@ -9,15 +9,22 @@ from surae.base.frozen import FrozenDict, read_only
 from surae.base.units import FloatArray
 from surae.base.versions import versions
 from surae.base.words import Message
-from surae.inference import laplace
-from surae.inference.conflict import FAR_ZERO, SAID, ZERO_NAME, Conflict, conflicts, with_zero
-from surae.inference.departures import Chosen
 from surae.inference.evidence import Subset
-from surae.inference.family import Family
-from surae.inference.least_squares import Outcome
-from surae.inference.posterior import LogPosterior, Point
+from surae.inference.least_squares.minimise import Outcome
+from surae.inference.least_squares.residuals import jacobian_root
+from surae.inference.posterior import laplace
+from surae.inference.posterior.conflict import (
+    FAR_ZERO,
+    SAID,
+    ZERO_NAME,
+    Conflict,
+    conflicts,
+    with_zero,
+)
+from surae.inference.posterior.departures import Chosen
+from surae.inference.posterior.family import Family
+from surae.inference.posterior.log_posterior import LogPosterior, Point
 from surae.inference.problem import FitProblem
-from surae.inference.residuals import jacobian_root
 from surae.inference.result import (
     LARGEST,
     TENDONS,
@@ -31,7 +38,7 @@ from surae.inference.result import (
 )
 from surae.model.laboratory import COMPLIANT, group_of, laboratory
 from surae.model.source import Gaussian
-from surae.model.sources import NUISANCES
+from surae.model.source_table import NUISANCES
 
 #: Ends of starts agree whose −2 ln p differ by less.
 _ALIKE = 2.0

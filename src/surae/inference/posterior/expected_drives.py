@@ -11,7 +11,7 @@ import numpy as np
 
 from surae.base.frozen import read_only
 from surae.base.units import FloatArray
-from surae.inference.drive_chain import forward
+from surae.inference.posterior.drive_chain import forward
 from surae.signals import ModelInputs
 
 #: Levels of a drive as parts of its greatest, and their distance on the logarithm [1/s, samples].

@@ -16,7 +16,7 @@ import numpy as np
 
 from surae.base.units import FloatArray
 from surae.inference.evidence import LaplaceApproximation
-from surae.inference.posterior import LogPosterior, Point
+from surae.inference.posterior.log_posterior import LogPosterior, Point
 from surae.model import with_optional
 from surae.model.laboratory import group_of
 from surae.model.source import Gaussian

@@ -20,12 +20,12 @@ from typing import Any
 import numpy as np
 
 from surae.base.units import FloatArray
-from surae.inference.banded import band_products, border_products, lifted
 from surae.inference.coordinates import Coordinates
-from surae.inference.film import names_of_film, seen_by
 from surae.inference.interrupt import checkpoint
-from surae.inference.latent import TAIL_S, Latents
-from surae.inference.residuals import simulators
+from surae.inference.least_squares.residuals import simulators
+from surae.inference.posterior.banded import band_products, border_products, lifted
+from surae.inference.posterior.film import names_of_film, seen_by
+from surae.inference.posterior.latent import TAIL_S, Latents
 from surae.model.activation import IntArray
 from surae.model.muscle_tendon import Tangent
 from surae.signals import ModelInputs

@@ -8,7 +8,7 @@ import numpy as np
 from surae.base.frozen import Comparable
 from surae.base.units import FloatArray
 from surae.inference import FitResult
-from surae.inference.film import group_of_film, names_of_film, seen_by
+from surae.inference.posterior.film import group_of_film, names_of_film, seen_by
 from surae.model import ModelOptions, ModelSpec
 from surae.signals import ModelInputs
 

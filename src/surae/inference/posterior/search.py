@@ -1,6 +1,6 @@
 """`model="auto"`: the mode of one posterior, and which departures the data ask for.
 
-1. Values without departures, from thinned data (`surae.inference.valleys`).
+1. Values without departures, from thinned data (`surae.inference.posterior.valleys`).
 2. The choice of departures, their sizes and that of the latents learnt (`departures`).
 3. Where latents took what parameters can follow, the choice again without them (`look_back`).
 4. What makes the mode unsure, source by source (`laplace`, `at_mode`).
@@ -13,16 +13,16 @@ from surae.base.frozen import FrozenDict
 from surae.base.progress import SearchProgress
 from surae.base.threads import one_blas_thread
 from surae.base.words import Message
-from surae.inference.at_mode import summed
-from surae.inference.departures import Chosen, choose
-from surae.inference.empirical_bayes import RESTS
-from surae.inference.family import Family
 from surae.inference.interrupt import postponed_interrupt
-from surae.inference.least_squares import Outcome
-from surae.inference.look_back import LESS, followed, simplest
+from surae.inference.least_squares.minimise import Outcome
+from surae.inference.posterior.at_mode import summed
+from surae.inference.posterior.departures import Chosen, choose
+from surae.inference.posterior.empirical_bayes import RESTS
+from surae.inference.posterior.family import Family
+from surae.inference.posterior.look_back import LESS, followed, simplest
+from surae.inference.posterior.valleys import first
 from surae.inference.problem import FitProblem
 from surae.inference.result import FitResult, Stage
-from surae.inference.valleys import first
 from surae.model.laboratory import RIGID
 
 

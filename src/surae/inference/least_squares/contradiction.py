@@ -17,8 +17,8 @@ from surae.base.frozen import FrozenDict
 from surae.base.units import FloatArray
 from surae.inference.coordinates import is_straight
 from surae.inference.evidence import LaplaceApproximation, subsets
-from surae.inference.linearised import measured
 from surae.inference.noise import NoiseModel, noise_behind, whitened
+from surae.inference.posterior.linearised import measured
 from surae.inference.problem import FitProblem
 from surae.inference.result import FitResult, LeastSquares, is_at_bound
 from surae.model import adapted, get_model, with_optional

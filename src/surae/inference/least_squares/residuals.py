@@ -6,7 +6,7 @@ import numpy as np
 
 from surae.base.units import FloatArray
 from surae.inference.interrupt import checkpoint
-from surae.inference.least_squares import Move, sum_of_squares
+from surae.inference.least_squares.minimise import Move, sum_of_squares
 from surae.inference.problem import FitProblem
 from surae.inference.result import Stage
 from surae.model import Simulator

@@ -1,7 +1,7 @@
 """Intervals and verdicts of a fit that knows its laboratory: everything that is not known is in.
 
 The covariance of a posterior is the sum of what each source makes of the estimates, exactly
-(`surae.inference.laplace`), so that shares of the variance add up to 1.
+(`surae.inference.posterior.laplace`), so that shares of the variance add up to 1.
 
 Another trial of the same leg has noise, drift, zero and errors of the EMG anew. What a leg and its
 mounting share is wrong alike only as far as both trials ask the same: a wrong arm shifts another
@@ -17,9 +17,9 @@ import numpy as np
 from surae.base.normal import NORMAL
 from surae.base.words import Message
 from surae.inference import FitProblem
-from surae.inference.adequacy import Adequacy, Grade
 from surae.inference.coordinates import is_straight
-from surae.inference.parameter import (
+from surae.inference.judging.adequacy import Adequacy, Grade
+from surae.inference.judging.parameter import (
     IDENTIFIED,
     INADEQUATE,
     Interval,
@@ -30,7 +30,7 @@ from surae.inference.parameter import (
 from surae.inference.result import PosteriorMode
 from surae.inference.uncertainty.combined import Budget, Uncertainty
 from surae.model.laboratory import group_of
-from surae.model.sources import advice
+from surae.model.source_table import advice
 from surae.signals import steady_emg
 
 #: Share of the variance from which a source is worth a remedy.

@@ -3,7 +3,7 @@
     −2 ln p = Σ |(T(z, c) − T_measured)/σ|² + Σ ((z − mean)/sd)² + Σ cᵀ·P·c
 
 z are the parameters of leg and laboratory (`surae.inference.coordinates`); c are the latent values
-of each recording (`surae.inference.latent`). Given z the latents are nearly linear: every step
+of each recording (`latent.py`). Given z the latents are nearly linear: every step
 eliminates them, recording by recording, so that its cost grows with the samples and not with their
 square.
 """
@@ -18,14 +18,14 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve, cholesky_banded
 
 from surae.base.units import FloatArray
-from surae.inference.banded import solve_band, solve_band_transposed
 from surae.inference.coordinates import Coordinates
-from surae.inference.descent import FAR, Secant, shorter
 from surae.inference.evidence import LaplaceApproximation
-from surae.inference.latent import Latents
-from surae.inference.least_squares import box_quadratic, eased, predicted_gain
-from surae.inference.linearised import REST, Observed, SensorRows
+from surae.inference.least_squares.minimise import box_quadratic, eased, predicted_gain
 from surae.inference.noise import NoiseModel
+from surae.inference.posterior.banded import solve_band, solve_band_transposed
+from surae.inference.posterior.descent import FAR, Secant, shorter
+from surae.inference.posterior.latent import Latents
+from surae.inference.posterior.linearised import REST, Observed, SensorRows
 from surae.inference.problem import FitProblem
 from surae.model.activation import IntArray
 from surae.model.source import Gaussian

@@ -10,7 +10,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from surae.inference.empirical_bayes import (
+from surae.inference.evidence import Subset, subsets, with_likely
+from surae.inference.noise import NoiseModel
+from surae.inference.posterior.empirical_bayes import (
     BEGIN,
     ERRORS,
     NEARLY_NONE,
@@ -19,12 +21,10 @@ from surae.inference.empirical_bayes import (
     learnt_noise,
     rested,
 )
-from surae.inference.evidence import Subset, subsets, with_likely
-from surae.inference.family import FIRST_HZ, RATE_HZ, Family
-from surae.inference.look_back import LESS, followed, kept
-from surae.inference.noise import NoiseModel
-from surae.inference.posterior import LogPosterior, Point
-from surae.inference.valleys import ROUNDED
+from surae.inference.posterior.family import FIRST_HZ, RATE_HZ, Family
+from surae.inference.posterior.log_posterior import LogPosterior, Point
+from surae.inference.posterior.look_back import LESS, followed, kept
+from surae.inference.posterior.valleys import ROUNDED
 from surae.model.laboratory import DEPARTURES, LAWS, RARE, group_of
 
 #: Active state over which it reaches zero at the first rate, of envelopes from elsewhere [N].

@@ -10,10 +10,10 @@ from dataclasses import replace
 import numpy as np
 
 from surae.base.units import FloatArray
-from surae.inference.empirical_bayes import Reached
-from surae.inference.family import RATE_HZ, Family
-from surae.inference.linearised import measured
-from surae.inference.residuals import Residuals
+from surae.inference.least_squares.residuals import Residuals
+from surae.inference.posterior.empirical_bayes import Reached
+from surae.inference.posterior.family import RATE_HZ, Family
+from surae.inference.posterior.linearised import measured
 from surae.settings import STARTS
 from surae.signals import ModelInputs
 

@@ -16,16 +16,16 @@ from surae.base.file_form import filed
 from surae.base.records import OrNaN
 from surae.base.units import FloatArray
 from surae.inference import FitResult
-from surae.inference.conflict import SAID
-from surae.inference.fascicles import fascicles_of
-from surae.inference.random_effects import farthest_apart
-from surae.inference.reasons import Reason, against
-from surae.inference.residual import centred_r2, counted
+from surae.inference.judging.fascicles import fascicles_of
+from surae.inference.judging.goodness import centred_r2, counted
+from surae.inference.judging.random_effects import farthest_apart
+from surae.inference.judging.reasons import Reason, against
+from surae.inference.posterior.conflict import SAID
 from surae.inference.uncertainty.combined import Uncertainty
 from surae.model.joint import Joint
 from surae.model.laboratory import group_of
 from surae.model.source import Gaussian
-from surae.model.sources import LABELS
+from surae.model.source_table import LABELS
 from surae.model.statements import RARE
 from surae.quality.finding import NOT_AS_STATED, Quality
 from surae.recording import MUSCLES

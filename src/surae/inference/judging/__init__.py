@@ -1,0 +1,1 @@
+"""What a fit is worth: goodness, gate, intervals and verdicts."""
