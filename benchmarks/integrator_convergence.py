@@ -10,7 +10,8 @@ import numpy as np
 
 from surae.base.units import FloatArray
 from surae.model import ModelOptions, get_model
-from surae.model.muscle_tendon import MuscleTendonSimulator, muscle_tendon_simulator
+from surae.model.integrators import muscle_tendon_simulator
+from surae.model.muscle_tendon import MuscleTendonSimulator
 from surae.signals import ModelInputs
 
 SPEC = get_model("muscle-tendon")

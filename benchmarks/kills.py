@@ -21,7 +21,7 @@ from pathlib import Path
 import httpx
 
 from surae.base.errors import InputError
-from surae_thesis.studies.store import Store
+from surae.studies.store import Store
 from surae_workbench.web import upkeep
 from web import made
 

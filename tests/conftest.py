@@ -94,7 +94,7 @@ SHARED = Path(__file__).resolve().parents[2] / "shared" / "data"
 def taken_locks() -> Iterator[None]:
     """That a lock is taken is known sooner than where many look at it."""
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr("surae_thesis.database._LOOKED_AT", 0.2)
+        patched.setattr("surae.base.database._LOOKED_AT", 0.2)
         yield
 
 

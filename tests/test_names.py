@@ -10,10 +10,10 @@ from surae.inference import LOSSES
 from surae.model import MODELS, ModelOptions, laboratory
 from surae.model.parameters import OPTIONAL, OPTIONAL_PARAMETERS
 from surae.model.registry import PARAMETERS
+from surae.nerve.movements import PERTURBATIONS
 from surae.protocol import DEVICES, PROFILES, TASKS
 from surae.protocol.planning.ready import ready_protocols
 from surae.studies.populations import POPULATIONS
-from surae_nerve.movements import PERTURBATIONS
 
 
 def test_names_are_those_of_what_they_name() -> None:

@@ -1,5 +1,6 @@
 """Models, readers and devices of other distributions, found where they are installed."""
 
+import importlib
 import json
 import os
 import subprocess
@@ -10,10 +11,9 @@ import numpy as np
 import pytest
 
 import surae
-from surae.base import plugins
 from surae.base.errors import InputError
-from surae.model import MODELS, ModelOptions, get_model
-from surae.model.muscle_tendon import muscle_tendon_simulator
+from surae.model import MODELS, ModelOptions
+from surae.recording.programs.foreign import optional
 
 SOURCE = '''
 from dataclasses import replace
@@ -236,34 +236,23 @@ def test_help_loads_no_plugin(laboratory, tmp_path) -> None:
     assert shell(tmp_path, "fit", "none.csv", "--model", "muscle").returncode == 2
 
 
-def test_what_is_elsewhere_says_where(monkeypatch) -> None:
-    monkeypatch.setattr("importlib.metadata.entry_points", lambda **_: ())
-    plugins.plugins.cache_clear()
-    try:
-        with pytest.raises(
-            InputError, match=r"muscle-2010 is not installed; run pip install surae-thesis$"
-        ):
-            get_model("muscle-2010")
-        with pytest.raises(
-            InputError, match=r"explicit-euler is not installed; run pip install surae-thesis$"
-        ):
-            muscle_tendon_simulator(None, ModelOptions(integrator="explicit-euler"))
-    finally:
-        plugins.plugins.cache_clear()
+def test_an_integrator_that_nobody_has_is_refused() -> None:
+    with pytest.raises(InputError, match="runge"):
+        ModelOptions(integrator="runge")
 
 
-def test_a_name_of_a_distribution_that_is_not_there_says_where(monkeypatch) -> None:
-    monkeypatch.setattr("surae._lazy.find_spec", lambda _: None)
-    assert "export" not in dir(surae)
-    assert "fit" in dir(surae)
-    with pytest.raises(AttributeError, match=r"surae.export .* run pip install surae-exchange$"):
-        _ = surae.export
+@pytest.mark.parametrize(
+    "old", ["surae_cohort", "surae_exchange", "surae_formats", "surae_nerve", "surae_posterior"]
+)
+def test_an_import_of_what_is_part_of_surae_now_says_where(old) -> None:
+    with pytest.raises(ImportError, match=rf"{old} is part of surae: use surae\.") as told:
+        importlib.import_module(old)
+    home = str(told.value).partition("modules are in ")[2].partition(" ")[0]
+    assert importlib.import_module(home).__doc__
 
 
-def test_a_file_of_a_reader_that_is_not_there_says_where(monkeypatch, tmp_path) -> None:
-    path = tmp_path / "trial.c3d"
-    path.write_bytes(b"\x02\x50" + bytes(2000))
-    monkeypatch.setattr("surae.recording.formats._plugins", tuple)
-    monkeypatch.setattr("surae.recording.unread.entry_points", lambda **_: ())
-    with pytest.raises(InputError, match=r"C3D is read by the package surae-formats; .*formats"):
-        surae.inspect(path)
+def test_a_format_whose_library_is_not_there_says_what_to_install() -> None:
+    with pytest.raises(
+        InputError, match=r'^trial.c3d: C3D needs .* pip install "surae\[formats\]"$'
+    ):
+        optional("no_such_library", "C3D", "trial.c3d")

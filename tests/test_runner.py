@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from surae.base.errors import ComputationError, InputError
-from surae_cohort.runner import Died, Engine, results
+from surae.processes.runner import Died, Engine, results
 
 #: Seconds that anything may take on a computer that is busy with other things.
 PATIENCE = 300.0
@@ -105,7 +105,8 @@ def test_engines_that_are_none() -> None:
 def cluster(request, tmp_path, monkeypatch) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
     """A scheduler and two workers, processes of their own, over TCP: its address, the workers."""
     pytest.importorskip("distributed")
-    monkeypatch.setattr("surae_cohort.runner._PATIENCE", PATIENCE)  # the workers may start slowly
+    # the workers may start slowly
+    monkeypatch.setattr("surae.processes.runner._PATIENCE", PATIENCE)
     where = tmp_path / "scheduler.json"
     path = os.pathsep.join([str(Path(__file__).parent), *filter(None, sys.path)])
     settings = os.environ | {"PYTHONPATH": path}
@@ -149,7 +150,7 @@ def test_a_cluster_that_loses_a_worker_half_way(cluster) -> None:
 
 def test_a_cluster_that_is_not_there(monkeypatch) -> None:
     pytest.importorskip("distributed")
-    monkeypatch.setattr("surae_cohort.runner._PATIENCE", 1.0)
+    monkeypatch.setattr("surae.processes.runner._PATIENCE", 1.0)
     with pytest.raises(InputError, match=r"no cluster at tcp://127\.0\.0\.1:9: .*; give the sch"):
         all_of(CALLS, Engine("dask", address="tcp://127.0.0.1:9"))
 

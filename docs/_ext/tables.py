@@ -12,6 +12,7 @@ from surae.base.setting import default_of, settings_of
 from surae.inference.population_priors import WIDENED
 from surae.inference.result import TENDONS
 from surae.measures import DEFINITIONS
+from surae.model.model_2010 import PARAMETERS_2010
 from surae.model.parameters import (
     MUSCLE_PARAMETERS,
     OPTIONAL_PARAMETERS,
@@ -21,7 +22,6 @@ from surae.model.parameters import (
 from surae.model.registry import PARAMETERS as EVERY
 from surae.model.source_table import SOURCES, source_of
 from surae.recording.described import MappedChannel, MappedRecording
-from surae_thesis.model_2010 import PARAMETERS_2010
 
 PARAMETERS: dict[str, Iterable[Parameter]] = {
     "muscle": MUSCLE_PARAMETERS,

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from functools import cache
 from importlib import import_module
-from importlib.util import find_spec
 
 
 def lazy_names(
@@ -32,19 +31,10 @@ def lazy_names(
         if name.startswith("__") or name not in homes():
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         module, original = homes()[name]
-        if not _installed(module):
-            own = module.partition(".")[0].replace("_", "-")
-            raise AttributeError(f"{package}.{name} is not installed; run pip install {own}")
         return getattr(import_module(module), original)
 
     def names() -> list[str]:
         """List the public names, loaded or not."""
-        return sorted(name for name, (module, _) in homes().items() if _installed(module))
+        return sorted(homes())
 
     return load, names
-
-
-def _installed(module: str) -> bool:
-    """Whether what a module belongs to is there: some names come with another distribution."""
-    package = module.partition(".")[0]
-    return package == "surae" or find_spec(package) is not None

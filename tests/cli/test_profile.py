@@ -94,7 +94,7 @@ def test_wrong_use_is_one_line(run, files, arguments, message) -> None:
 
 
 def test_ctrl_c_keeps_what_is_complete(run, files, monkeypatch) -> None:
-    from surae_posterior import profile as home
+    from surae.api import profiled as home
 
     def interrupted(fit, names, *, progress, **options):
         def pressed(name: str, done: int, total: int) -> None:

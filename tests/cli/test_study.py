@@ -18,7 +18,7 @@ import pytest
 from click.testing import CliRunner
 
 from surae.cli import group
-from surae_thesis.studies.study import FACTORS
+from surae.studies.study import FACTORS
 
 from .conftest import refused
 from .test_startup import COMPUTING, imported

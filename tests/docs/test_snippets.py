@@ -250,7 +250,7 @@ def _read_toml(text: str) -> None:
         served = set(re.findall(r'"(\w+)"', plugins.__doc__))
         assert named <= served | {"commands"}
     else:
-        from surae_thesis.studies.study import parse_study
+        from surae.studies.study import parse_study
 
         assert parse_study(text).size > 1
 

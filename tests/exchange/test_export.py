@@ -5,12 +5,12 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from surae.exchange.joint import joint_of
+from surae.exchange.mjcf import mjcf
+from surae.exchange.osim import osim
 from surae.measures.leg import Leg
 from surae.model import ModelOptions, get_model, with_optional
 from surae.studies import virtual_subject
-from surae_exchange.joint import joint_of
-from surae_exchange.mjcf import mjcf
-from surae_exchange.osim import osim
 
 MOVED = (-30.0, 20.0)
 #: A tendon of OpenSim finds no balance at exactly 0.

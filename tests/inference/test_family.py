@@ -27,9 +27,9 @@ from surae.model.parameters import OPTIONAL
 from surae.model.source import Gaussian
 from surae.protocol import Protocol, generate
 from surae.recording import MUSCLES, Recording, read
+from surae.sampling.resumed import resumed
 from surae.signals import prepare
 from surae.studies import virtual_subject, virtual_trial
-from surae_posterior.resumed import resumed
 
 #: Rate [Hz] and durations [s] of the legs of which less is claimed than so many samples tell.
 THIN, SHORT, BRIEF = 64.0, 20.0, 12.0

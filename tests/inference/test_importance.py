@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from surae_posterior.importance import ENOUGH, weighted_draws
+from surae.sampling.importance import ENOUGH, weighted_draws
 
 MEAN = np.array([1.0, -0.5, 0.0])
 COVARIANCE = np.array([[1.0, 0.6, 0.0], [0.6, 2.0, -0.3], [0.0, -0.3, 0.5]])

@@ -52,9 +52,7 @@ def test_one_without_a_standard_error_has_the_median_of_the_others(drifting):
 
 def test_a_posterior_takes_the_median_unless_told_otherwise(drifting, monkeypatch):
     asked = []
-    monkeypatch.setattr(
-        "surae_posterior.posterior.sample", lambda _, **options: asked.append(options)
-    )
+    monkeypatch.setattr("surae.api.draws.sample", lambda _, **options: asked.append(options))
     fit = api.fit(drifting, "muscle", prepared=True, starts=1)
     surae.posterior(fit)
     surae.posterior(fit, variance_inflation=2.0)

@@ -9,7 +9,7 @@ from surae.base.errors import InputError
 from surae.base.frozen import read_only
 from surae.inference import Prior, fit_problem, make_problem
 from surae.model import MODELS, ModelOptions, adapted
-from surae_posterior.density import Target, beliefs
+from surae.sampling.density import Target, beliefs
 
 
 @pytest.fixture(scope="module")

@@ -10,10 +10,10 @@ import surae
 from surae.base.errors import InputError
 from surae.inference import assess, fit_problem, make_problem
 from surae.inference.least_squares.residuals import Residuals
+from surae.sampling.profiles import profiles
+from surae.sampling.sample import sample
 from surae.signals import thinned
 from surae.studies import virtual_trial
-from surae_posterior.profiles import profiles
-from surae_posterior.sample import sample
 
 FEW = {"draws": 250, "evaluations": 1200}
 MANY = {"draws": 2000, "evaluations": 3600}

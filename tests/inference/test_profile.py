@@ -12,8 +12,8 @@ from surae.base.errors import InputError
 from surae.inference import Prior, fit_problem, make_problem
 from surae.inference.least_squares.minimise import compress
 from surae.inference.least_squares.residuals import Residuals
-from surae_posterior.conditional import Conditional, ConditionalMinimum
-from surae_posterior.one_profile import profile
+from surae.sampling.conditional import Conditional, ConditionalMinimum
+from surae.sampling.one_profile import profile
 
 RNG = np.random.default_rng(7)
 N = 200

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from surae.base.errors import InputError
-from surae_posterior.one_profile import profile
-from surae_posterior.profiles import profiles
+from surae.sampling.one_profile import profile
+from surae.sampling.profiles import profiles
 
 NAMES = ("m", "f0", "l0_tib", "g1")
 

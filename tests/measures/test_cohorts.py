@@ -11,13 +11,13 @@ import pytest
 import surae
 from surae.base.errors import InputError
 from surae.base.frozen import FrozenDict
+from surae.cohorts.members import populations, read_table
+from surae.cohorts.pooled import CohortMember, borrowed, pool, random_effects
 from surae.inference import Adequacy, Grade
 from surae.measures.compared import Quantities, Quantity
 from surae.protocol import Protocol, generate
+from surae.report.cohort import cohort_report
 from surae.studies import virtual_subject, virtual_trial
-from surae_cohort.members import populations, read_table
-from surae_cohort.page import cohort_report
-from surae_cohort.pooled import CohortMember, borrowed, pool, random_effects
 
 
 def leg(

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from surae.model import contraction
-from surae_thesis.muscle_2010 import contraction as contraction_2010
+from surae.model.muscle_2010 import contraction as contraction_2010
 
 optimal = st.floats(0.015, 0.25)
 

@@ -8,9 +8,10 @@ from test_rigid import rms
 
 from surae.model import ModelOptions, get_model
 from surae.model.contraction import force_velocity
-from surae.model.muscle_tendon import MuscleTendonSimulator, muscle_tendon_simulator
-from surae_thesis.euler import speed_of
-from surae_thesis.explicit import ThesisSimulator
+from surae.model.euler import speed_of
+from surae.model.explicit import ThesisSimulator
+from surae.model.integrators import muscle_tendon_simulator
+from surae.model.muscle_tendon import MuscleTendonSimulator
 
 SPEC = get_model("muscle-tendon")
 NAMES = list(SPEC.names)

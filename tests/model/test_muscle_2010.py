@@ -10,8 +10,8 @@ from test_rigid import rms
 
 from surae.base.errors import InputError
 from surae.model import ModelOptions, adapted, check_value, get_model
+from surae.model.muscle_2010 import Muscle2010Simulator, integrated
 from surae.signals import ModelInputs
-from surae_thesis.muscle_2010 import Muscle2010Simulator, integrated
 
 SPEC = get_model("muscle-2010")
 TEN = ["m", "k_tri", "x0_tri", "e1", "e2", "e3", "e4", "f", "b_tri", "F0"]

@@ -9,10 +9,10 @@ from scipy import signal
 import surae
 from perturbed_ankle import ramps
 from surae.base.errors import InputError
+from surae.nerve.piece import Piece
+from surae.nerve.response import falls_short
+from surae.nerve.samples import usable
 from surae.recording import Recording
-from surae_nerve.piece import Piece
-from surae_nerve.response import falls_short
-from surae_nerve.samples import usable
 
 
 def arrays(ankle, *, size=1.0, every=1, **parameters):

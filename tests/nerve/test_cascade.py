@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from surae_nerve import cascade
-from surae_nerve.cascade import Structure
-from surae_nerve.fitting import Problem, noise_of
-from surae_nerve.piece import Piece
+from surae.nerve import cascade
+from surae.nerve.cascade import Structure
+from surae.nerve.fitting import Problem, noise_of
+from surae.nerve.piece import Piece
 
 S = 2j * np.pi * np.array([0.0, 0.1, 3.0, 20.0])
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from surae.base.frozen import read_only
+from surae.measures.evoked import EVOKED_SHARE, evoked_emg
 from surae.measures.leg import NotDefinedError
 from surae.signals import ModelInputs
-from surae_nerve.evoked import EVOKED_SHARE, evoked_emg
 
 RATE = 128.0
 

@@ -5,7 +5,7 @@ import pytest
 import surae
 from perturbed_ankle import ramps
 from surae.base.errors import InputError
-from surae_nerve.change import nerve_change, of_files
+from surae.nerve.change import nerve_change, of_files
 
 
 def saved(stiffness, ci, torque=5.0):

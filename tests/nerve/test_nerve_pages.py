@@ -4,12 +4,12 @@ import pytest
 
 import surae
 from perturbed_ankle import Ankle, ramps
+from surae.api.perturbed import perturbation_page
 from surae.base.names import LANGUAGES
 from surae.base.words import Message
+from surae.nerve.stretches import StretchThreshold
 from surae.report.language import words_in
-from surae_nerve.api import page_of
-from surae_nerve.page import _translated
-from surae_nerve.stretches import StretchThreshold
+from surae.report.nerve import _translated
 
 
 def texts(page):
@@ -28,7 +28,7 @@ def told():
 
 @pytest.mark.parametrize("language", [each for each in LANGUAGES if each != "en"])
 def test_nothing_of_a_page_of_stretches_is_left_in_english(told, language) -> None:
-    english, other = page_of(told), page_of(told, language)
+    english, other = perturbation_page(told), perturbation_page(told, language)
     pairs = list(zip(texts(english), texts(other), strict=True))
     assert len(pairs) > 4
     assert all(a != b for a, b in pairs)
@@ -50,7 +50,8 @@ def test_a_note_keeps_its_values_in_every_language() -> None:
 @pytest.mark.parametrize("language", ["nl", "de", "fr"])
 def test_nothing_of_a_page_of_perturbations_is_left_in_english(language) -> None:
     own = surae.impedance(Ankle(seconds=30.0).recording())
-    pairs = list(zip(texts(page_of(own)), texts(page_of(own, language)), strict=True))
+    english = texts(perturbation_page(own))
+    pairs = list(zip(english, texts(perturbation_page(own, language)), strict=True))
     assert all(a != b for a, b in pairs)
     assert all(words_in(language)(m.note) != m.note for m in own.measures.values() if m.note)
 

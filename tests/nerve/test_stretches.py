@@ -10,9 +10,9 @@ import surae
 from perturbed_ankle import ramps
 from surae.base.errors import InputError
 from surae.base.words import Message
+from surae.nerve.driven import noise_power
+from surae.nerve.ramps import Stretched
 from surae.recording import MUSCLES, Recording
-from surae_nerve.driven import noise_power
-from surae_nerve.ramps import Stretched
 
 SPEEDS = (10.0, 10.0, 60.0, 60.0, 120.0, 120.0, 180.0, 180.0)
 

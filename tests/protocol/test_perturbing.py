@@ -10,13 +10,13 @@ from perturbed_ankle import Ankle
 from surae.api.designing import as_trajectory
 from surae.base.errors import InputError
 from surae.base.names import TELLING
+from surae.nerve.expected import _of_perturbation, series
+from surae.nerve.made import USUAL
+from surae.nerve.movements import PERTURBATIONS, REPEATS, telling
 from surae.protocol import Protocol, generate, named_device, write_protocol
 from surae.protocol.device import Device
 from surae.protocol.planning.ready import ready_protocols
 from surae.quality.position import perturbing
-from surae_nerve.expected import _of_perturbation, series
-from surae_nerve.made import USUAL
-from surae_nerve.movements import PERTURBATIONS, REPEATS, telling
 
 
 @pytest.mark.parametrize("name", TELLING)

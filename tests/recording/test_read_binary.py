@@ -21,9 +21,9 @@ from reader_seeds import (
 
 from surae.base.errors import InputError
 from surae.recording import read
+from surae.recording.programs import c3d, edf, foreign, xdf
 from surae.recording.table import sampling_of
 from surae.signals import prepare
-from surae_formats import c3d, edf, foreign, xdf
 
 
 def loaded(table):
@@ -174,7 +174,7 @@ def test_edf_and_bdf(table, binary):
 
 def test_edf_in_several_parts_is_the_same(table, monkeypatch):
     whole = loaded(table(edf_file(binary=True)))
-    monkeypatch.setattr("surae_formats.edf._PART", 1)
+    monkeypatch.setattr("surae.recording.programs.edf._PART", 1)
     parts = loaded(table(edf_file(binary=True)))
     for name, column in whole.items():
         np.testing.assert_array_equal(column.values, parts[name].values)

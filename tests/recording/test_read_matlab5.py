@@ -11,7 +11,7 @@ import scipy.io
 from reader_seeds import ANGLE, EMG, RATE, TIME, mat5_file
 
 from surae.base.errors import InputError
-from surae_formats import foreign, matlab
+from surae.recording.programs import foreign, matlab
 
 
 def saved(variables, **options):

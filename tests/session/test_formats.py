@@ -9,8 +9,8 @@ import pytest
 
 from surae.base.errors import InputError
 from surae.recording import Channel, inspect, read
+from surae.recording.programs import excel
 from surae.signals.timebase import timing
-from surae_formats import excel
 
 openpyxl = pytest.importorskip("openpyxl")
 

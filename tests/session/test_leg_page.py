@@ -42,7 +42,7 @@ def messages():
     methods = [("**.py", "python"), ("**.html.j2", "jinja2"), ("**.js", "javascript")]
     found = [
         each
-        for package in ("surae", "surae_cohort", "surae_nerve", "surae_thesis", "surae_workbench")
+        for package in ("surae", "surae.cohorts", "surae.nerve", "surae_thesis", "surae_workbench")
         for each in extract_from_dir(files(package), methods, {"**.js": JS}, keywords=MARKS)
     ]
     every = [(m,) if isinstance(m, str) else tuple(m) for *_, m, _, _ in found]

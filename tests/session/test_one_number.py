@@ -9,9 +9,9 @@ from types import SimpleNamespace
 import pytest
 
 import surae
+from surae.api.visits import visits_blocks
 from surae.base.formatting import of_interval
 from surae.report import part_of
-from surae_cohort.visits import visits_blocks
 from surae_workbench.live import judge
 from surae_workbench.web.tasks import summary
 from undrawn import blank_figures

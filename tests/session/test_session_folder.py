@@ -9,7 +9,7 @@ import surae
 from surae.api import session_run
 from surae.api.answers import fit_of
 from surae.base.errors import InputError
-from surae_cohort.members import quantities_of
+from surae.cohorts.members import quantities_of
 from undrawn import blank_figures, few_legs
 
 QUICK = {"model": "muscle", "prepared": True, "starts": 1}

@@ -12,9 +12,9 @@ import pytest
 
 from surae.base.errors import ComputationError, InputError
 from surae.base.records import to_plain
-from surae_thesis.studies.store import Store, export_study, study_columns, study_table
-from surae_thesis.studies.study import parse_study
-from surae_thesis.studies.tasks import TaskEstimate, TaskOutcome
+from surae.studies.store import Store, export_study, study_columns, study_table
+from surae.studies.study import parse_study
+from surae.studies.tasks import TaskEstimate, TaskOutcome
 
 TEXT = 'name = "a"\nprotocol = "sine"\nnoise = [0.01, 0.05]\nsubjects = 2\n'
 DONE = TaskOutcome(
@@ -108,8 +108,8 @@ def test_only_one_run_writes(path) -> None:
 
 def test_the_lock_goes_with_its_process(path) -> None:
     code = (
-        "import os, signal, sys\nfrom surae_thesis.studies.store import Store\n"
-        "from surae_thesis.studies.study import parse_study\n"
+        "import os, signal, sys\nfrom surae.studies.store import Store\n"
+        "from surae.studies.study import parse_study\n"
         "s = Store(sys.argv[1], write=True); s.plan(parse_study(sys.argv[2]))\n"
         "os.kill(os.getpid(), signal.SIGKILL)"
     )

@@ -5,8 +5,8 @@ import math
 import pytest
 
 from surae.base.errors import InputError
-from surae_thesis.studies.study import FACTORS, parse_study, read_study
-from surae_thesis.studies.tasks import FitTask, _trajectory, task_of
+from surae.studies.study import FACTORS, parse_study, read_study
+from surae.studies.tasks import FitTask, _trajectory, task_of
 
 MINIMAL = 'protocol = "sine"\n'
 

@@ -10,10 +10,10 @@ from surae.base.errors import ComputationError
 from surae.base.records import from_plain
 from surae.inference import assess, fit_problem, make_problem
 from surae.protocol import Protocol, generate
+from surae.studies import tasks as study_tasks
 from surae.studies import virtual, virtual_subject, virtual_trial
-from surae_thesis.studies import tasks as study_tasks
-from surae_thesis.studies.study import parse_study
-from surae_thesis.studies.tasks import TaskOutcome, outcome_of, run_task, task_of
+from surae.studies.study import parse_study
+from surae.studies.tasks import TaskOutcome, outcome_of, run_task, task_of
 
 TEXT = 'protocol = "ramp-and-hold"\nrate_hz = 50\nstarts = 1\nchirp_amplitude = 0.2\n'
 
@@ -118,7 +118,7 @@ def test_what_does_not_matter_is_shared() -> None:
 def test_another_program_has_other_keys(monkeypatch) -> None:
     (task,) = tasks(TEXT)
     before = task.key
-    monkeypatch.setattr("surae_thesis.studies.tasks.fingerprint", lambda: "another")
+    monkeypatch.setattr("surae.studies.tasks.fingerprint", lambda: "another")
     assert task.key != before
 
 
@@ -127,7 +127,7 @@ def test_a_worker_gives_the_same_and_refuses_another_program(monkeypatch) -> Non
     call = json.loads(json.dumps({"key": task.key, "settings": asdict(task)}))
     outcome = from_plain(TaskOutcome, outcome_of(**call))
     assert replace(outcome, seconds=0) == replace(run_task(task), seconds=0)
-    monkeypatch.setattr("surae_thesis.studies.tasks.fingerprint", lambda: "another")
+    monkeypatch.setattr("surae.studies.tasks.fingerprint", lambda: "another")
     with pytest.raises(ComputationError, match="a worker has another surae"):
         outcome_of(**call)
 

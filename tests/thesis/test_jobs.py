@@ -1,7 +1,7 @@
 import pytest
 
+from surae.base.database import lock
 from surae.base.errors import InputError
-from surae_thesis.database import lock
 from surae_thesis.section import Context
 
 CALLS = []

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from surae.model.contraction import force_velocity
+from surae.model.euler import damped_speed
 from surae_thesis import tendons
 from surae_thesis.claims import judge, read_claims
-from surae_thesis.euler import damped_speed
 from surae_thesis.tendons import EPS0, F_MAX, Numbers, errors, printed_force, reversals, toes
 
 CLAIMS = read_claims("tendons", tendons.__name__)

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
-from types import FunctionType
 from typing import Any
 
 from surae.api.fitted import Fit
@@ -12,12 +11,12 @@ from surae.api.given import AnyRecording, several
 from surae.api.recordings import as_in_fit
 from surae.base.errors import InputError
 from surae.base.files import PathLike
-from surae.base.plugins import plugins
 from surae.base.requests import ChangeSettings
 from surae.base.setting import renamed, takes
 from surae.inference.judging.validation import Prediction, predict_others
 from surae.measures.change import Change, compare_sessions
 from surae.measures.compared import common_end, quantities
+from surae.nerve.change import NerveChange, of_files
 from surae.signals import Weighting, weighted
 from surae.trials.folder import fit_in
 
@@ -72,15 +71,9 @@ def change(
     return compare_sessions(sides[0], sides[1], sides[2:], legs=settings.legs)
 
 
-def other_change(before: PathLike, after: PathLike) -> Any:
-    """What differs between two files that are no fits, by the distribution whose files they are.
-
-    None where no distribution that is installed knows them.
-    """
-    for compare in plugins("changes", FunctionType).values():
-        if (found := compare(before, after)) is not None:
-            return found
-    return None
+def other_change(before: PathLike, after: PathLike) -> NerveChange | None:
+    """What differs between two I.json or R.json; None where the files are no such answers."""
+    return of_files(before, after)
 
 
 def write_change_page(

@@ -1,7 +1,6 @@
 """Protocols: what one will tell, designed for a device, and what to measure after a fit."""
 
-from collections.abc import Callable, Mapping, Sequence
-from types import FunctionType
+from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
 from surae.api.fitted import Fit
@@ -10,12 +9,13 @@ from surae.base.errors import InputError
 from surae.base.files import PathLike
 from surae.base.formatting import check_known
 from surae.base.names import EFFORTS, TELLING
-from surae.base.plugins import plugins
 from surae.base.progress import Progress, SearchProgress
 from surae.base.requests import DesignSettings, ExpectSettings, LegSettings
 from surae.base.setting import Setting, checked, renamed, settings_of, takes
 from surae.model import ModelOptions
 from surae.model.laboratory import AUTO
+from surae.nerve.expected import expects, series
+from surae.nerve.movements import telling
 from surae.protocol import (
     DEVICES,
     PROFILES,
@@ -334,12 +334,13 @@ def expect(
     """
     trajectory = as_trajectory(protocol)
     small = perturbing(trajectory.angle, trajectory.settings.rate_hz)
-    series = plugins("movements", FunctionType).get("series")
-    if small or (series is not None and model == AUTO and series(trajectory)):
+    if small or (model == AUTO and series(trajectory)):
         if given := ["model"] * (model != AUTO) or sorted(keywords.keys() - {"noise"}):
             what = f"{trajectory.settings.profile}: from perturbations and stretches no model of"
             raise InputError(f"{what} muscles is expected; leave {given[0]} out")
-        return _of_nerve("expects")(trajectory, fit, progress=progress, **keywords)
+        if isinstance(fit, Fit):
+            raise InputError("of perturbations, give the I.json of surae impedance, not a fit")
+        return expects(trajectory, fit, progress=progress, **keywords)
     fit = fit if fit is None or isinstance(fit, Fit) else load(fit)
     settings, options = parted(ExpectSettings, {"model": model, **keywords})
     who, level = requested_legs(settings, fit, settings.legs, options, trajectory.settings.rate_hz)
@@ -381,26 +382,6 @@ def ready_trajectory(
     ready = ready_protocols()[name]
     legs = population_legs(ready.model, None, _CHECKED)
     return ready.trajectory(device, angle_range, rate_hz, legs)
-
-
-def telling(
-    name: str, device: Device | None, angle_range: tuple[float, float], rate_hz: float
-) -> Trajectory:
-    """A movement that tells tissue from nerve, by the distribution that estimates from it."""
-    made: Trajectory = _of_nerve("telling")(name, device, angle_range, rate_hz)
-    return made
-
-
-def telling_words(trajectory: Trajectory) -> list[str]:
-    """What such a movement is for and will tell, in lines."""
-    return list(_of_nerve("words")(trajectory))
-
-
-def _of_nerve(what: str) -> Callable[..., Any]:
-    made: Callable[..., Any] | None = plugins("movements", FunctionType).get(what)
-    if made is None:
-        raise InputError(f"{', '.join(TELLING)} are of surae-nerve; run pip install surae-nerve")
-    return made
 
 
 def requested_legs(

@@ -2,18 +2,16 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from types import FunctionType
 from typing import TYPE_CHECKING, Any
 
 from surae.api.given import AnyRecording
 from surae.api.plots import Plots, numbered
 from surae.api.recordings import as_in_fit
 from surae.api.simulation import parts_of, tendon_of
-from surae.base.errors import InputError, UnknownNameError
+from surae.base.errors import UnknownNameError
 from surae.base.files import PathLike
 from surae.base.formatting import nearest
 from surae.base.frozen import FrozenDict
-from surae.base.plugins import plugins
 from surae.base.tables import Tabular, TextTable
 from surae.inference import AssessedFit
 from surae.inference.judging.adequacy import Adequacy
@@ -151,12 +149,11 @@ class Fit(Tabular, AssessedFit):
         Raises
         ------
         InputError
-            surae-posterior or xarray is not installed, or no parameter has an interval.
+            arviz-stats or xarray is not installed, or no parameter has an interval.
         """
-        draw = plugins("draws", FunctionType).get("arviz")
-        if draw is None:
-            raise InputError("draws for ArviZ need a package: `pip install surae-posterior`")
-        return draw(self, draws, seed, log_likelihood=log_likelihood)
+        from surae.sampling.arviz_data import of_fit
+
+        return of_fit(self, draws, seed, log_likelihood=log_likelihood)
 
     def to_xarray(self, recording: int = 0) -> Any:
         """Angle, torque and modelled torque of the fit's first, second, … recording over time.

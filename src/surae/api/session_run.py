@@ -27,13 +27,14 @@ from surae.inference import Grade
 from surae.inference.diagnosis import STILL
 from surae.inference.judging.goodness import centred_r2, counted, vaf
 from surae.inference.judging.validation import predict_others
+from surae.nerve.leg import Nerve
 from surae.processes import Child, End, Plain
 from surae.quality import Finding, Quality
 from surae.settings import FitSettings
 from surae.signals import ModelInputs
 from surae.trials import Crossed, Trial, TrialSet, prepared_for
 from surae.trials.folder import JOINT, TOO_FEW, claimed, fit_name
-from surae.trials.nerve import Nerve, nerve_of
+from surae.trials.nerve import nerve_of
 
 #: What a joint fit costs, in samples of fits of one trial.
 _JOINT_COST = 1.5

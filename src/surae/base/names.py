@@ -22,18 +22,13 @@ class Names(tuple[str, ...]):
 
     def here(self) -> tuple[str, ...]:
         """Those that are installed, of plugins too; none of these is loaded."""
-        added = self._added()
-        own = [name for name in self if name not in ELSEWHERE]
-        return (*own, *(name for name in added if name not in own))
+        return (*self, *(name for name in self._added() if name not in self))
 
     def _added(self) -> tuple[str, ...]:
         from importlib.metadata import entry_points
 
         return tuple(point.name for point in entry_points(group=f"surae.{self.group}"))
 
-
-#: What surae itself does not bring, and the distribution that does.
-ELSEWHERE = dict.fromkeys(("muscle-2010", "explicit-euler", "explicit-damped"), "surae-thesis")
 
 MODELS = Names(
     "models",
@@ -60,7 +55,7 @@ CHOICES = {
     "geometry": ("thesis", "virtual-work"),
     "joint": ("ankle",),
     "tendon_strain": ("thesis", "slack-length"),
-    "integrator": Names("integrators", ("implicit", "explicit-euler")),
+    "integrator": Names("integrators", ("implicit", "explicit-euler", "explicit-damped")),
 }
 #: Tasks and devices of protocols, those that come with surae, and their profiles.
 TASKS = ("part-passive", "active", "passive", "steps", "prbs")

@@ -18,7 +18,7 @@ def plugins(group: str, kind: type) -> dict[str, Any]:
     """What installed distributions offer as entry points of the group ``surae.<group>``, by name.
 
     The group is "models", "integrators", "readers", "devices", "sources", "measures", "checks",
-    "movements", "sessions", "cards", "draws" or "changes". Each has to be of a `kind`; its
+    "integrators" or "commands". Each has to be of a `kind`; its
     `name`, if it has one, is its entry point's.
     """
     from importlib.metadata import entry_points

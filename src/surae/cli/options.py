@@ -354,3 +354,8 @@ def request(options: Mapping[str, Any]) -> "api.FitSettings":
     if windows or peaks is not None:
         keywords["weights"] = api.Weighting(windows, peaks or 0.0, kind or "torque")
     return api.FitSettings.of(keywords.pop("model", names.AUTO), **keywords)
+
+
+DASK = click.option(
+    "--dask", metavar="ADDRESS", help="Scheduler of a Dask cluster to run on instead."
+)

@@ -7,6 +7,7 @@ from typing import Any
 
 from surae.base.docstrings import docstring
 from surae.measures import active, passive
+from surae.measures.evoked import evoked_share
 from surae.measures.leg import GROUPS, Leg
 
 #: Names of the groups, and what stands in the docstring of a measure that each of them has.
@@ -190,4 +191,11 @@ DEFINITIONS: tuple[Definition, ...] = (
     *_pair("tendon_secant", "N/mm", passive.tendon_secant, of_recordings=True, alone=_EFFORT),
     _D("optimal_fascicle_tib", "mm", passive.optimal_fascicle_tib, of_recordings=True, alone=_FILM),
     *_pair("tendon_strain", "%", passive.tendon_strain, "N", ((500.0,), (100.0,))),
+    _D(
+        "evoked_share",
+        "%",
+        evoked_share,
+        of_recordings=True,
+        alone="it goes with the movement and effort of each session",
+    ),
 )

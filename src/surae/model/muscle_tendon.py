@@ -5,10 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.base.errors import InputError
 from surae.base.frozen import read_only
-from surae.base.names import CHOICES, ELSEWHERE
-from surae.base.plugins import plugins
 from surae.base.units import FloatArray
 from surae.model import compliant
 from surae.model.activation import ActiveState, IntArray
@@ -252,19 +249,3 @@ class MuscleTendonSimulator(Simulator):
         eps0, *others = (float(value) for value in values[COLUMNS[group][compliant.EPS0 :]])
         strain_length = float(self._strain_lengths[group])
         return TendonLaw(float(self._slack[group]), tendon_curve(eps0 * strain_length, *others))
-
-
-def muscle_tendon_simulator(
-    inputs: ModelInputs, options: ModelOptions, optional: Sequence[str] = ()
-) -> MuscleTendonSimulator:
-    """The simulator whose integrator `options` name, with these optional parameters."""
-    if options.integrator != CHOICES["integrator"][0]:
-        added = plugins("integrators", type)
-        if options.integrator not in added:
-            home = ELSEWHERE.get(options.integrator, "what brings it")
-            raise InputError(
-                f"integrator {options.integrator} is not installed; run pip install {home}"
-            )
-        tied: MuscleTendonSimulator = added[options.integrator](inputs, options, optional)
-        return tied
-    return MuscleTendonSimulator(inputs, options, optional)

@@ -10,11 +10,11 @@ import numpy as np
 from surae.base.errors import InputError
 from surae.base.formatting import named, nearest
 from surae.base.frozen import Comparable
-from surae.base.names import ELSEWHERE
 from surae.base.plugins import Extended, plugins
 from surae.base.setting import is_number
 from surae.base.units import FloatArray
 from surae.model.geometry_table import GeometryTable
+from surae.model.model_2010 import PARAMETERS_2010, WEIGHTS_2010
 from surae.model.options import ModelOptions
 from surae.model.parameter import Parameter, adapted
 from surae.model.parameters import (
@@ -186,7 +186,7 @@ def _compliant(name: str, title: str, *freed: str) -> ModelSpec:
         f"muscle-tendon model{title}",
         _WITH_TENDON,
         (*_FIFTEEN, *freed),
-        "surae.model.muscle_tendon:muscle_tendon_simulator",
+        "surae.model.integrators:muscle_tendon_simulator",
         "muscle",
     )
 
@@ -208,6 +208,16 @@ OWN: dict[str, ModelSpec] = {
         _compliant("muscle-tendon", " [2.0]"),
         _compliant("muscle-tendon-strain", ", tendon strain freed [2.1]", "dlt_tri", "dlt_tib"),
         _compliant("muscle-tendon-toe", ", tendon toe force freed [2.2]", "pt_tri", "pt_tib"),
+        ModelSpec(
+            "muscle-2010",
+            "muscle model of 2010, reconstructed",
+            PARAMETERS_2010,
+            tuple(p.name for p in PARAMETERS_2010),
+            "surae.model.muscle_2010:Muscle2010Simulator",
+            weights=WEIGHTS_2010,
+            linear=("m", *WEIGHTS_2010, "b_tri", "F0"),
+            slack={"x0_tri": "k_tri"},
+        ),
     )
 }
 
@@ -231,6 +241,4 @@ def get_model(name: str) -> ModelSpec:
     InputError
         The name is unknown; the message lists the known ones.
     """
-    if name in ELSEWHERE and name not in MODELS:
-        raise InputError(f"model {name} is not installed; run pip install {ELSEWHERE[name]}")
     return named("model", MODELS, name)

@@ -1,35 +1,21 @@
-"""The formats of data files: surae's own and OpenSim's. Others are plugins, as `surae-formats`."""
+"""The formats of data files: surae's own, OpenSim's, other programs' and those of plugins."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
-from typing import Protocol, runtime_checkable
 
 from surae.base.cleaning import cleaned
 from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
 from surae.base.plugins import plugins
 from surae.recording import delimited, hdf5, opensim, unread
+from surae.recording.format_module import FormatModule
 from surae.recording.source import Source
 from surae.recording.table import Column, Table, some
 
-
-@runtime_checkable
-class FormatModule(Protocol):
-    """What a format's module offers; a plugin's may say how its files end, in `ENDINGS`."""
-
-    def recognises(self, source: Source) -> bool:
-        """Whether the content, not the name, is of this format."""
-        ...
-
-    def open_table(self, source: Source) -> Table:
-        """Read the header; raise InputError where it is wrong."""
-        ...
-
-
-#: In the order in which they are asked, plugins behind them; CSV takes what no other claims.
+#: In the order in which they are asked, `_others` behind them; CSV takes what no other claims.
 FORMATS: tuple[FormatModule, ...] = (hdf5, opensim)
 #: Columns of a file.
 _MOST = 10_000
@@ -65,7 +51,7 @@ def data_files(folder: PathLike) -> list[Path]:
         files = [path for path in Path(folder).iterdir() if path.is_file()]
     except OSError as error:
         raise InputError(f"cannot read {shown(folder)}: {str(error.strerror).lower()}") from None
-    ends = {*ENDINGS, *chain(*(getattr(form, "ENDINGS", ()) for form in _plugins()))}
+    ends = {*ENDINGS, *chain(*(getattr(form, "ENDINGS", ()) for form in _others()))}
     return sorted(
         path for path in files if path.suffix.lower() in ends and not path.name.startswith(".")
     )
@@ -82,7 +68,7 @@ def open_table(source: Source, *, timed: bool = True) -> Table:
         The file is of no supported format or its header is wrong.
     """
     source = source.in_utf8()
-    form = next((form for form in chain(FORMATS, _plugins()) if form.recognises(source)), None)
+    form = next((form for form in chain(FORMATS, _others()) if form.recognises(source)), None)
     if form is None and (known := unread.named(source)):
         raise InputError(known)
     table = form.open_table(source) if form else delimited.open_table(source)
@@ -126,5 +112,8 @@ def _printable(table: Table) -> Table:
     )
 
 
-def _plugins() -> Iterable[FormatModule]:
-    return plugins("readers", FormatModule).values()
+def _others() -> Iterable[FormatModule]:
+    """Other programs' formats and those of plugins: loaded where surae's own are not meant."""
+    from surae.recording import programs
+
+    return (programs, *plugins("readers", FormatModule).values())

@@ -2,7 +2,6 @@
 
 import tomllib
 from collections.abc import Mapping
-from importlib.metadata import entry_points
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -17,12 +16,6 @@ _KNOWN: Mapping[str, Any] = tomllib.loads(
 def named(source: Source) -> str:
     """What a file is that no reader takes, and how to export it; empty where it is not known."""
     ending = Path(source.path).suffix.lower()
-    plugin = _KNOWN["installed"].get(ending)
-    if plugin and not entry_points(group="surae.readers", name="formats"):
-        return (
-            f"{source.shown}: {plugin} is read by the package surae-formats; install it with: "
-            'pip install "surae[formats]"'
-        )
     for at, magic, what, export in _KNOWN["begins"]:
         if source.data.startswith(magic.encode("latin-1"), at):
             return _said(source, what, export)

@@ -2,11 +2,9 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from types import FunctionType
 
 import numpy as np
 
-from surae.base.plugins import plugins
 from surae.base.units import FloatArray
 from surae.inference import AssessedFit
 from surae.measures import Measures, measures
@@ -27,12 +25,13 @@ from surae.measures.torque_curve import (
     weight_torque,
 )
 from surae.model.joint import ANKLE
+from surae.nerve.leg import Nerve
 from surae.report import block, leg_cards
 from surae.report.figures import Figure
 from surae.report.figures.leg import shares_bar, stiffness_figure
 from surae.report.language import Words
+from surae.report.nerve_card import nerve_card
 from surae.trials import Trial
-from surae.trials.nerve import Nerve
 
 #: The angle that stiffness is given at where it was measured [deg].
 AT = 10.0
@@ -105,8 +104,7 @@ def leg_answers(
         len(holds), len(stretches), zero, _, without_weight=model is not None
     )
     nerves = []
-    nerve_card = plugins("cards", FunctionType).get("nerve")
-    if nerve is not None and nerve_card is not None:
+    if nerve is not None:
         card, drawn = nerve_card(nerve, _)
         figures |= drawn
         nerves = [(_("How much is nerve?"), card, "nerve")]

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 
 from surae.base.frozen import FrozenDict
 from surae.inference import AssessedFit, Assessment
+from surae.nerve.leg import Nerve
 from surae.quality import Quality
 from surae.settings import FitSettings
-from surae.trials.nerve import Nerve
 from surae.trials.trial_set import Crossed, TrialSet
 
 

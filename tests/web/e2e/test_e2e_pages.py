@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from PIL import Image
 
-from surae_thesis.studies.study import parse_study
+from surae.studies.study import parse_study
 
 from .conftest import Desk, expect
 

@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 from surae.base.errors import ComputationError
 from surae.base.files import PathLike
 from surae.processes import Plain
-from surae_cohort.runner import Died, Engine, results
-from surae_thesis.ledger import Ledger
+from surae.processes.ledger import Ledger
+from surae.processes.runner import Died, Engine, results
 
 
 def kept_calls(

@@ -66,8 +66,8 @@ class Context:
         A change in the function's module, in those named `also`, or in what fits and simulates,
         computes again.
         """
+        from surae.studies import fingerprint
         from surae_thesis.kept import kept_calls
-        from surae_thesis.studies.tasks import fingerprint
 
         digest = hashlib.sha256(f"{fingerprint()} {function.__qualname__}".encode())
         for module in (inspect.getmodule(function), *also):

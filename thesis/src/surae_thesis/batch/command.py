@@ -10,13 +10,12 @@ import click
 
 from surae.base.errors import ComputationError, InputError
 from surae.base.files import shown, write_table
-from surae.cli.options import MAPPING, corrections, settings_options, workers_option
+from surae.cli.options import DASK, MAPPING, corrections, settings_options, workers_option
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.screen import show_line, show_table
+from surae.processes.runner import engine_of
 from surae.settings import FitSettings
-from surae_cohort.options import DASK
-from surae_cohort.runner import engine_of
 
 #: The models of the thesis.
 _MODELS = "1.0,2.0,2.1,2.2"

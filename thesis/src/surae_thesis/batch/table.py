@@ -9,13 +9,13 @@ from typing import Any
 from surae import FitSettings
 from surae.base.errors import InputError
 from surae.base.records import to_plain
-from surae_cohort.runner import Died, Engine, results
+from surae.processes.ledger import Ledger
+from surae.processes.runner import Died, Engine, results
+from surae.studies import fingerprint
 from surae_thesis.batch.files import NamedTrial, content_of
 from surae_thesis.batch.work import Plain, Where
 from surae_thesis.cohort.work import MODELS
-from surae_thesis.ledger import Ledger
 from surae_thesis.section import Cell
-from surae_thesis.studies.tasks import fingerprint
 
 #: Virtual legs whose simulations a standard error is compared with, as many trials as there are.
 LEGS = 6
@@ -68,7 +68,7 @@ def _same(one: NamedTrial, other: NamedTrial) -> bool:
 
 
 class BatchStore(Ledger):
-    """A batch's file, open; see `surae_thesis.ledger.Ledger`."""
+    """A batch's file, open; see `surae.processes.ledger.Ledger`."""
 
     _NOTHING = "no batch yet"
 

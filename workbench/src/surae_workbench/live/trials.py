@@ -22,12 +22,12 @@ from pydantic import ValidationError
 
 from surae.api import ROLES
 from surae.base.cleaning import cleaned
+from surae.base.database import lock
 from surae.base.errors import InputError, SuraeError
 from surae.base.files import PathLike, is_link, shown, write_atomic
 from surae.base.units import FACTORS, kind
 from surae.base.units import plain as plain_unit
 from surae.processes import Child, End
-from surae_thesis.database import lock
 from surae_workbench.live.record import MOST, Judgement, Record, read_record, repaired, said_in
 from surae_workbench.live.recorder import Recorder, Show, Tell
 from surae_workbench.live.stream import Stream

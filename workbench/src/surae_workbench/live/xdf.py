@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from surae.api import xdf_end
 from surae.base.units import FloatArray
-from surae_formats.xdf import xdf_end
 
 _MAGIC = b"XDF:"
 _HEADER = b'<?xml version="1.0"?><info><version>1.0</version></info>'

@@ -16,9 +16,9 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp
 
 from surae._version import __version__
+from surae.base.database import UnavailableError
 from surae.base.errors import InputError, SuraeError
 from surae.processes import FULL, NO_ROOM, one_line, where
-from surae_thesis.database import UnavailableError
 from surae_workbench.web import STATIC
 from surae_workbench.web.fits import keep_designs, keep_fit, keep_profile
 from surae_workbench.web.http_errors import RefusedError

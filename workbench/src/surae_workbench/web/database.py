@@ -17,10 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from surae.base.errors import ComputationError
-from surae.base.files import shown
-from surae.processes import NO_ROOM
-from surae_thesis.database import (
+from surae.base.database import (
     Format,
     damage,
     open_to_read,
@@ -28,6 +25,9 @@ from surae_thesis.database import (
     sqlite_errors,
     transaction,
 )
+from surae.base.errors import ComputationError
+from surae.base.files import shown
+from surae.processes import NO_ROOM
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.rows import KINDS, Entry, entry
 

@@ -10,9 +10,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from surae.base.database import lock
 from surae.base.errors import InputError
 from surae.base.files import PathLike, is_link, sha256_of, shown, write_json
-from surae_thesis.database import lock
 from surae_workbench.web.database import Database, new_id
 from surae_workbench.web.http_errors import RefusedError, not_found
 from surae_workbench.web.places import (

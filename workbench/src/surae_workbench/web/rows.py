@@ -10,8 +10,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from surae import api
 from surae.base.errors import InputError
-from surae_thesis import studies
 from surae_workbench.web.schemas import ProtocolSettings
 
 #: An entry: its content with its `id` and `created`.
@@ -203,7 +203,7 @@ def entry(kind: str, id_: object, created: object, text: object) -> Entry:
             raise ValueError(f"{place}: {first['msg']}".removeprefix(": ")) from None
     if kind == "study":
         try:
-            studies.parse_study(content["toml"])
+            api.parse_study(content["toml"])
         except InputError as error:
             raise ValueError(str(error)) from None
     return {**content, "id": id_, "created": created}

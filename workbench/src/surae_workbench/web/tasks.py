@@ -18,7 +18,6 @@ from surae.base.errors import InputError
 from surae.base.files import write_json
 from surae.base.names import LANGUAGES
 from surae.processes import tell
-from surae_thesis import studies
 from surae_workbench.web import imports, sliders
 from surae_workbench.web.draft import settings_of
 from surae_workbench.web.fit_progress import FitProgress
@@ -144,15 +143,13 @@ def _estimate(told: "api.Measure | api.ParameterEstimate", sem: float | None) ->
 
 def profile(task: Task) -> dict[str, Any]:
     """Profile parameters of a fit, and write them."""
-    from surae_posterior.profile import profile as profile_of
-
     fitted = api.load(_file(task, "fit", task["fit"]))
 
     def progress(name: str, done: int, total: int) -> None:
         tell({"parameter": name, "done": done, "total": total})
 
     with _compiling():
-        profiles = profile_of(fitted, task["parameters"], workers=1, progress=progress)
+        profiles = api.profile(fitted, task["parameters"], workers=1, progress=progress)
     missing = ", ".join(profiles.missing)
     return {
         "message": f"stopped before {missing}" if missing else f"{len(profiles.profiles)} profiles",
@@ -183,8 +180,8 @@ def _counting(before: int = 0, total: int | None = None) -> Callable[..., None]:
 
 def study(task: Task) -> dict[str, Any]:
     """Run a study, or go on with it."""
-    with studies.Store(_file(task, "study", task["study"]), write=True) as store:
-        finished = studies.run_study(studies.parse_study(task["toml"]), store, progress=_counting())
+    with api.Store(_file(task, "study", task["study"]), write=True) as store:
+        finished = api.run_study(api.parse_study(task["toml"]), store, progress=_counting())
     return {"message": f"{finished.fits} fits, all there", "interrupted": False}
 
 
@@ -271,11 +268,9 @@ def change(comparison: str, language: str) -> str:
 
 
 def _compared(comparison: str, language: str) -> dict[str, Any]:
-    from surae_cohort.visits import visits_blocks  # matplotlib
-
     asked = json.loads(comparison)
     visits = [(name, date.fromisoformat(day), *rest) for name, day, *rest in asked["visits"]]
-    return visits_blocks(visits, asked["before"], asked["after"], language)
+    return api.visits_blocks(visits, asked["before"], asked["after"], language)
 
 
 def nerve(recordings: Mapping[str, str], by: str, language: str, output: str = "") -> str:
@@ -283,15 +278,9 @@ def nerve(recordings: Mapping[str, str], by: str, language: str, output: str = "
 
     Where `output` says so it is written as a file to keep.
     """
-    try:
-        from surae_nerve import api as telling
-    except ImportError:
-        raise InputError(
-            "tissue and reflex need one more package: pip install surae-nerve"
-        ) from None
     read = [replace(imports.read_recording(path), name=name) for name, path in recordings.items()]
-    tell = telling.impedance if by == "perturbations" else telling.stretches
-    page = telling.page_of(tell(read), language)
+    tell = api.impedance if by == "perturbations" else api.stretches
+    page = api.perturbation_page(tell(read), language)
     if output:
         page.write(output)
         return ""

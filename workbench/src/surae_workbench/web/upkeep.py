@@ -8,10 +8,10 @@ from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from surae.base.database import connected, copy, open_to_read, sqlite_errors
 from surae.base.errors import ComputationError, InputError, SuraeError
 from surae.base.files import PathLike, sha256_of, shown
 from surae.base.progress import Progress
-from surae_thesis.database import connected, copy, open_to_read, sqlite_errors
 from surae_workbench.web.database import FORMAT, refuse_damage
 from surae_workbench.web.places import (
     DATABASE,

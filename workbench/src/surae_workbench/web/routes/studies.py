@@ -5,8 +5,8 @@ from typing import Any
 
 from fastapi import APIRouter, Response
 
+from surae import api
 from surae.base.errors import SuraeError
-from surae_thesis import studies
 from surae_workbench.web.answers import Job, Study
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.project import dated
@@ -38,7 +38,7 @@ def get_studies(bench: Bench) -> dict[str, list[Study]]:
 @router.post("", status_code=201)
 def post_study(body: StudyRequest, bench: Bench, browser: Browser) -> Study:
     """Make one of a STUDY.toml, and start it."""
-    study = studies.parse_study(body.toml)
+    study = api.parse_study(body.toml)
     if study.size > _MOST_FITS:
         raise RefusedError(
             400, f"{study.size:,} fits; at most {_MOST_FITS:,} here, use `surae study run` for more"
@@ -71,8 +71,8 @@ def get_csv(id: PathId, bench: Bench) -> Response:
     path = bench.project.file("study", id)
     if not path.exists():
         raise RefusedError(409, "nothing is computed yet; start the study first")
-    with studies.Store(path) as store:
-        return csv_file(row["name"], lambda path: studies.export_study(store, path))
+    with api.Store(path) as store:
+        return csv_file(row["name"], lambda path: api.export_study(store, path))
 
 
 def _shown(bench: Workbench, row: Entry) -> Study:
@@ -81,7 +81,7 @@ def _shown(bench: Workbench, row: Entry) -> Study:
     far: dict[str, Any] = {"done": 0, "fits": None, "reasons": {}}
     with suppress(SuraeError):  # it is just being planned
         if path.exists():
-            with studies.Store(path) as store:
+            with api.Store(path) as store:
                 status = store.status()
             far = {"done": status.done, "fits": status.calls, "reasons": dict(status.reasons)}
     if jobs:

@@ -1,0 +1,47 @@
+"""`surae stretches`."""
+
+from typing import Any
+
+import click
+
+from surae import api
+from surae.cli.options import LANGUAGE, MAPPING, corrections
+from surae.cli.paths import check_outputs, check_recordings
+from surae.cli.progress import work
+from surae.cli.screen import show_answer, show_files
+
+
+@click.command("stretches")
+@click.argument("recordings", metavar="REC…", nargs=-1, required=True)
+@MAPPING
+@corrections
+@click.option("--output", metavar="R.json", help="Write what was found.")
+@click.option("--report", metavar="R.html", help="Write a page with figures: HTML or PDF.")
+@LANGUAGE
+def command(
+    recordings: tuple[str, ...],
+    mapping: str | None,
+    output: str | None,
+    report: str | None,
+    language: str,
+    corrections: dict[str, Any],
+) -> None:
+    """Take slow and fast stretches of a relaxed ankle apart: tissue, inertia and nerve.
+
+    The stretches are found in the recordings, of one leg. With EMG each muscle's threshold is
+    given, the angle at which it would answer an endlessly slow stretch; repeats of one speed give
+    the smallest change that can be detected on this leg.
+    """
+    check_recordings(recordings)
+    check_outputs({"--output": output, "--report": report}, recordings)
+
+    api.check_report(report)
+    with work() as progress:
+        progress.describe("taking stretches apart")
+        found = api.stretches(recordings, mapping=mapping, **corrections)
+    if output is not None:
+        found.save(output)
+    show_answer(found.as_table())
+    if report is not None:
+        api.perturbation_page(found, language).write(report)
+    show_files({"stretches": output, "report": report})

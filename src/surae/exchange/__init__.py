@@ -1,0 +1,1 @@
+"""A fitted leg as a model file of another simulator, and how far its torque is from ours."""

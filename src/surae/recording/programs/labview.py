@@ -1,0 +1,110 @@
+"""LabVIEW measurements: text (.lvm) as lvm_read reads it, binary (.tdms) as npTDMS does."""
+
+import io
+import re
+from codecs import BOM_UTF8
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from surae.recording.delimited import is_time
+from surae.recording.programs.foreign import Parsed, foreign_table, optional, packed
+from surae.recording.source import Source
+from surae.recording.table import Table
+from surae.recording.untrusted import untrusted
+
+_TEXT = b"LabVIEW Measurement"
+_BINARY = b"TDSm"
+
+
+def recognises(source: Source) -> bool:
+    """Whether it begins as one of the two does."""
+    return source.data.removeprefix(BOM_UTF8).startswith((_TEXT, _BINARY))
+
+
+def open_table(source: Source) -> Table:
+    """The channels of all groups."""
+    return foreign_table(source, "LabVIEW", __name__)
+
+
+def parse(data: bytes, shown: str) -> dict[str, Any]:
+    """The columns of a file."""
+    binary = data.startswith(_BINARY)
+    library = optional("nptdms" if binary else "lvm_read", "LabVIEW", shown)
+    with untrusted(shown):
+        return packed(list(_groups(library, data) if binary else _segments(library, data)))
+
+
+def _segments(lvm_read: Any, data: bytes) -> Iterator[Parsed]:
+    """Columns of a text file, with a column of times (X_Value) for none, all or each of them."""
+    whole = lvm_read.read_str(_as_it_reads(data.removeprefix(BOM_UTF8).decode(errors="replace")))
+    several = whole.get("X_Columns", "One") == "Multi"  # what a header says may skip their columns
+    for number in range(whole["Segments"]):
+        segment = whole[number]
+        block = np.atleast_2d(segment["data"])
+        before = f"segment {number + 1}: "
+        said = {key: values for key, values in segment.items() if isinstance(values, list)}
+        if several:
+            said = {k: [v for v in of if str(v) not in ("", "nan")] for k, of in said.items()}
+        time: Any = None
+        channel = -1
+        for index, name in enumerate(segment["Channel names"][: block.shape[1]]):
+            if name == "X_Value":
+                time = block[:, index]
+            elif name and name != "Comment":
+                channel += 1
+                count = int(_nth(said.get("Samples"), channel, len(block)))
+                step, start = (_nth(said.get(k), channel, 0.0) for k in ("Delta_X", "X0"))
+                own: Any = (start, 1.0 / step if step > 0 else 0.0)
+                if whole.get("X_Columns", "One") != "No" and time is not None:
+                    own = time[:count]
+                unit = _nth(said.get("Y_Unit_Label"), channel, "")
+                label = before * (whole["Segments"] > 1) + name
+                remark = ""
+                if count > len(block):
+                    remark = (
+                        f"the header states {count} samples, the file holds {len(block)}: "
+                        "it was cut short"
+                    )
+                yield Parsed(label, block[:count, index], own, unit, remark)
+
+
+def _as_it_reads(text: str) -> str:
+    """The text with what lvm_read goes by.
+
+    It begins a segment at a blank line, which need not stand before a later one's header, and
+    counts its columns by the first line there, where columns of times may not be counted.
+    """
+    text = re.sub(r"(?<=[^\n\r\t,])\s*\n(?=Channels[\t,])", "\n\n", text)
+    if re.search(r"^X_Columns[\t,]Multi", text, re.MULTILINE):
+        widen = lambda m: f"{m[1]}{m[2]}{m[3]}{m[2] * (2 * int(m[3]))}"  # noqa: E731
+        text = re.sub(
+            r"^(Channels)([\t,])(\d{1,4})[\t, ]*(?=\r?$)", widen, text, flags=re.MULTILINE
+        )
+    return text
+
+
+def _nth(values: Any, index: int, default: Any) -> Any:
+    """What a header says of a channel."""
+    return values[index] if values and index < len(values) and values[index] else default
+
+
+def _groups(nptdms: Any, data: bytes) -> Iterator[Parsed]:
+    """Channels of a binary file: waveforms, or columns beside one of times."""
+    groups = nptdms.TdmsFile.read(io.BytesIO(data)).groups()
+    for group in groups:
+        before = f"{group.name}: " if len(groups) > 1 else ""
+        channels = [c for c in group.channels() if c.dtype is not None and c.dtype.kind in "fiu"]
+        times = {c.name: np.asarray(c[:], dtype=np.float64) for c in channels if is_time(c.name)}
+        for channel in channels:
+            if channel.name in times:
+                continue
+            values = np.asarray(channel[:], dtype=np.float64)
+            said = channel.properties
+            step = float(said.get("wf_increment", 0.0))
+            own: Any = (float(said.get("wf_start_offset", 0.0)), 1.0 / step if step > 0 else 0.0)
+            if not own[1]:
+                own = next((time for time in times.values() if len(time) == len(values)), own)
+            unit = said.get("unit_string") or said.get("NI_UnitDescription") or ""
+            yield Parsed(before + channel.name, values, own, str(unit))

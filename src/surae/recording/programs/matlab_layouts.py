@@ -1,0 +1,218 @@
+"""How programs lay out their channels in MATLAB files: which matrix, which names, units and rate.
+
+A layout is known by the names of its variables: LabChart and AcqKnowledge (ADInstruments, BIOPAC),
+Qualisys, OT BioLab, and objects of the class ``nldat`` (McGill). Each gives columns, or None where
+it is another's. `beside` finds names and units of a matrix of any other origin.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from surae.base.cleaning import cleaned
+from surae.base.errors import InputError
+from surae.base.units import FACTORS, FloatArray, spelled
+from surae.recording.programs.foreign import Parsed
+from surae.recording.roles import heading_unit
+
+#: Ends of the names of variables that name or measure the channels of a matrix, in small letters.
+_NAMES = ("names", "labels", "titles", "channels", "description", "muscles", "header", "columns")
+_UNITS = ("units", "unit", "unittext")
+_MOST = 512
+
+Variables = Mapping[str, Any]
+
+
+def texts(value: Any) -> list[str]:
+    """Texts in a cell array, a matrix of letters, or a single text."""
+    if isinstance(value, str):
+        return [cleaned(value)]
+    if isinstance(value, np.ndarray) and value.dtype.kind in "USO":
+        value = value.ravel().tolist()
+    if not isinstance(value, list):
+        return []
+    flat = [v.ravel()[0] if isinstance(v, np.ndarray) and v.size == 1 else v for v in value]
+    return [cleaned(v) for v in flat] if all(isinstance(v, str) for v in flat) else []
+
+
+def matrix(value: Any) -> FloatArray | None:
+    """Numbers of at most two dimensions, also within a cell; None for anything else."""
+    while isinstance(value, list) and len(value) == 1:
+        value = value[0]
+    if not isinstance(value, np.ndarray) or value.dtype.kind not in "fiu":
+        return None
+    array = np.asarray(value, dtype=np.float64).squeeze()
+    return np.atleast_1d(array) if array.ndim <= 2 else None
+
+
+def number(value: Any, default: float = 0.0) -> float:
+    """A single number; `default` where there is none."""
+    array = matrix(value)
+    return float(array.flat[0]) if array is not None and array.size == 1 else default
+
+
+def by_channel(array: FloatArray, samples: int | None = None) -> FloatArray | None:
+    """A matrix with a row for each channel, whichever way it lies; None for too many of them.
+
+    Its longer side are the samples, unless their number says which it is.
+    """
+    array = np.atleast_2d(array)
+    rows, columns = array.shape
+    across = (
+        columns == samples if samples in (rows, columns) and rows != columns else rows < columns
+    )
+    array = array if across else array.T
+    return array if len(array) <= _MOST else None
+
+
+def beside(variables: Variables, name: str, count: int) -> tuple[list[str], list[str]]:
+    """Names and units of a matrix's channels that are stored beside it; empty where none fit.
+
+    Those that begin with the matrix's own name are its own, else what fits alone.
+    """
+    found = []
+    for ends in (_NAMES, _UNITS):
+        fitting = {
+            key: each
+            for key, value in variables.items()
+            if key.casefold().replace("_", "").endswith(ends) and len(each := texts(value)) == count
+        }
+        own = [each for key, each in fitting.items() if key.casefold().startswith(name.casefold())]
+        found.append(next(iter(own or fitting.values()), []))
+    return found[0], found[1]
+
+
+def known(variables: Variables, prefix: str, shown: str) -> list[Parsed] | None:
+    """The columns of a structure that one of the programs wrote."""
+    keys = {key.casefold(): key for key in variables}
+    own = {key: variables[name] for key, name in keys.items()}
+    for needed, layout in _LAYOUTS:
+        if needed <= own.keys():
+            with np.errstate(all="ignore"):
+                columns = list(layout(own, prefix, shown))
+            if columns:
+                return columns
+    return None
+
+
+def _labchart(own: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
+    """LabChart: all blocks of all channels in one row, from ``datastart`` to ``dataend``."""
+    data = matrix(own["data"])
+    starts, ends, rates = (_table(own[key]) for key in ("datastart", "dataend", "samplerate"))
+    if data is None or starts is None or ends is None or rates is None:
+        return
+    data = data.ravel()
+    names = texts(own.get("titles"))
+    units = texts(own.get("unittext"))
+    of_unit = _table(own.get("unittextmap"))
+    scale, offset = (_table(own.get(key)) for key in ("scaleunits", "scaleoffset"))
+    counts = own["data"].dtype.kind in "iu" and scale is not None and offset is not None
+    for channel, block in np.ndindex(*starts.shape):
+        first = _at(starts, channel, block)
+        last = _at(ends, channel, block)
+        if not 1 <= first <= last <= len(data):
+            continue  # a channel that was off in this block
+        values = data[int(first) - 1 : int(last)]
+        if counts:
+            values = (values + _at(offset, channel, block)) * _at(scale, channel, block)
+        unit = int(_at(of_unit, channel, block)) if of_unit is not None else 0
+        name = names[channel] if channel < len(names) else f"channel {channel + 1}"
+        if starts.shape[1] > 1:
+            name = f"block {block + 1}: {name}"
+        rate = _at(rates, channel, block)
+        yield Parsed(
+            prefix + name,
+            values,
+            _clock(rate, f"{shown}: {name}"),
+            units[unit - 1] if 1 <= unit <= len(units) else "",
+        )
+
+
+def _acqknowledge(own: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
+    """AcqKnowledge: a matrix ``data`` and the interval ``isi`` between its samples."""
+    data = matrix(own["data"])
+    isi = number(own["isi"])
+    if data is None or (rows := by_channel(data)) is None:
+        return
+    seconds = FACTORS["time"].get(spelled("".join(texts(own["isi_units"]))) or "ms", 1e-3)
+    names = texts(own.get("labels"))
+    units = texts(own.get("units"))
+    rate = 1.0 / (isi * seconds) if isi > 0 else 0.0
+    yield from _rows(rows, names, units, _clock(rate, shown), prefix)
+
+
+def _otbiolab(own: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
+    """OT BioLab: ``Data``, ``Time``, and in ``Description`` each channel's name and unit."""
+    data = matrix(own["data"])
+    names = texts(own["description"])
+    if data is None or (rows := by_channel(data)) is None:
+        return
+    time = None if own.get("time") is None else matrix(own["time"])
+    clock: Any = _clock(number(own.get("samplingfrequency")), shown)
+    if time is not None and time.ndim == 1 and len(time) == rows.shape[1]:
+        clock = time
+    yield from _rows(rows, names, [heading_unit(name) or "" for name in names], clock, prefix)
+
+
+def _qualisys(own: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
+    """Qualisys Track Manager: boards of analog channels, each with its rate."""
+    boards = own["analog"] if isinstance(own["analog"], list) else [own["analog"]]
+    for index, board in enumerate(boards, start=1):
+        if not isinstance(board, Mapping) or (data := matrix(board.get("Data"))) is None:
+            continue
+        names = texts(board.get("Labels"))
+        rows = by_channel(data, int(number(board.get("NrOfSamples"))))
+        if rows is None:
+            continue
+        clock = _clock(number(board.get("Frequency")), shown)
+        before = f"{prefix}board {index}: " if len(boards) > 1 else prefix
+        yield from _rows(rows, names, texts(board.get("Unit")), clock, before)
+
+
+def _nldat(own: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
+    """An object ``nldat``: columns of ``dataSet`` at ``domainStart`` + k ``domainIncr``."""
+    data = matrix(own["dataset"])
+    step = number(own["domainincr"])
+    if data is None or (rows := by_channel(data)) is None:
+        return
+    start, rate = _clock(1.0 / step if step > 0 else 0.0, shown)
+    start += number(own.get("domainstart")) if rate else 0.0
+    names = texts(own.get("channames"))
+    units = texts(own.get("chanunits"))
+    yield from _rows(rows, names, units, (start, rate), prefix)
+
+
+_LAYOUTS = (
+    ({"data", "datastart", "dataend", "samplerate"}, _labchart),
+    ({"data", "isi", "isi_units"}, _acqknowledge),
+    ({"data", "description", "samplingfrequency"}, _otbiolab),
+    ({"analog", "frames", "framerate"}, _qualisys),
+    ({"dataset", "domainincr"}, _nldat),
+)
+
+
+def _rows(
+    rows: FloatArray, names: list[str], units: list[str], clock: Any, prefix: str
+) -> Iterator[Parsed]:
+    for index, values in enumerate(rows):
+        name = names[index] if len(names) == len(rows) and names[index] else f"channel {index + 1}"
+        yield Parsed(prefix + name, values, clock, units[index] if len(units) == len(rows) else "")
+
+
+def _table(value: Any) -> FloatArray | None:
+    """Numbers by channel and block; one for all channels is a row of blocks no more."""
+    array = matrix(value)
+    return None if array is None else array[:, None] if array.ndim == 1 else array
+
+
+def _at(table: Any, channel: int, block: int) -> float:
+    """A number of a channel in a block, where one may hold for all."""
+    return float(table[min(channel, len(table) - 1), min(block, table.shape[1] - 1)])
+
+
+def _clock(rate: float, where: str) -> tuple[float, float]:
+    """Times from 0 at a rate [Hz]; 0 where the file states none."""
+    if not (np.isfinite(rate) and rate >= 0.0):
+        raise InputError(f"{where}: {rate:g} Hz is not a sampling rate")
+    return 0.0, rate
