@@ -1,6 +1,7 @@
-"""Results that a change of form must not change: the cases, their digests, and how to renew them.
+"""Results that a change of form must not change: what each is, its digest, and how to renew it.
 
-``tests/studies/test_frozen_results.py`` computes each again. By hand, from the repository::
+``tests/studies/test_frozen_results.py`` computes each of ``tests/frozen_cases.py`` again. By hand,
+from the repository::
 
     python tests/frozen_results.py                      # what differs from the kept file
     python tests/frozen_results.py --only auto,session  # of some cases
@@ -9,7 +10,8 @@
 
 Bits depend on the processor and on the libraries, so the kept file says what it was made with. To
 compare two commits elsewhere, renew another file by the older one's code and read it by the newer
-one's: ``--kept FILE --renew``, then ``--kept FILE``.
+one's: ``--kept FILE --renew``, then ``--kept FILE``. Each program is that of the Python which runs
+the file, so that one copy of it serves both.
 """
 
 import argparse
@@ -28,6 +30,8 @@ from importlib.metadata import EntryPoint, entry_points, version
 from pathlib import Path
 from typing import Any
 
+from frozen_cases import CASES, LEGS, MAPPINGS
+
 #: What was computed when, by which code: the kept digests and numbers.
 KEPT = Path(__file__).with_name("data") / "frozen.json"
 SHARED = Path(__file__).resolve().parents[2] / "shared" / "data"
@@ -35,125 +39,6 @@ SHARED = Path(__file__).resolve().parents[2] / "shared" / "data"
 FOLDERS = {
     "data": Path(__file__).with_name("data"),
     "wrist": Path(__file__).parents[1] / "examples" / "wrist",
-}
-
-#: Folder → what ``ankle-legs`` writes there.
-LEGS = {
-    "plain": "make p 11 --trials 1,2 --seconds 20",
-    "leg": "make a 11 --trials 1,2,7 --seconds 20",
-    "passive": "make a 11 --kind passive --seconds 20",
-    "raw": "make b 12 --raw --seconds 20",
-    "film": "make d 11 --film --seconds 20",
-    "reflex": "make e 11 --seconds 20",
-    "arms": "make f 11 --geometry --seconds 20",
-    "plate": "make g 12 --seconds 20",
-    "empty": "make h 13 --seconds 20",
-    "soft": "make r 14 --trials 1,2 --seconds 20",
-    "clipped": "make u 11 --seconds 20",
-    "isometric": "make a 15 --kind isometric --seconds 20",
-    "laboratory": "laboratory a 11 --active 1 --steps tare,zero,axis,geometry,slow,active",
-    "perturbed": "make qb 3",
-    "stretched": "make sa 3",
-}
-
-#: Mappings of measured files, by name.
-MAPPINGS = {
-    "filmed.toml": """name = "PL_0_01"
-emg = "raw"
-fixed = { g2 = 0.0, g3 = 0.0, g4 = 0.0 }
-[channels.angle]
-file = "shared/repeats/PL_0_01.mat"
-column = "Angle"
-unit = "deg"
-sign = -1
-[channels.torque]
-file = "shared/repeats/PL_0_01.mat"
-column = "Torque"
-unit = "Nm"
-sign = -1
-[channels.emg_ta]
-file = "shared/repeats/PL_0_01.mat"
-column = "EMG_TA"
-unit = "V"
-[channels.fascicle_tib]
-file = "shared/ultrasound/PL_0_01_fascicles.csv"
-column = "fascicle_superficial_mm"
-unit = "mm"
-""",
-}
-
-_P = "plain/p-11/trial-1.csv"
-_A = "leg/a-11/trial-1.csv"
-_TENDON = "--model muscle-tendon --starts 1"
-#: Case → the command of ``surae``, whose output bears the case's name; other cases' outputs may be
-#: what it reads.
-CASES = {
-    "muscle": f"fit {_P} --model muscle",
-    "muscle-thesis": f"fit {_A} --model muscle --starts 2",
-    "muscle-virtual-work": f"fit {_P} --model muscle --starts 2 --geometry virtual-work",
-    "muscle-table": f"fit {_P} --model muscle --starts 1 --geometry data/geometry.csv",
-    "muscle-wrist": f"fit {_P} --model muscle --starts 1 --joint wrist/joint.toml "
-    "--geometry wrist/geometry.csv",
-    "muscle-fixed": f"fit {_P} --model muscle --starts 2 --fixed beta=1 --bound m=1:4",
-    "muscle-free": f"fit {_A} --model muscle --starts 2 --free emd --free reflex",
-    "muscle-huber": f"fit {_A} --model muscle --starts 2 --loss huber",
-    "muscle-tukey": f"fit {_A} --model muscle --starts 1 --loss tukey",
-    "muscle-priors": f"fit {_P} --model muscle --starts 2 --priors healthy --prior tau_rel=2:0.5",
-    "muscle-weighted": f"fit {_P} --model muscle --starts 2 --weight-peaks 4 --exclude 0:2",
-    "muscle-prepared": f"fit {_P} --model muscle --starts 2 --prepared",
-    "muscle-filtered": f"fit {_P} --model muscle --starts 1 --filter bessel_hz=10",
-    "muscle-normalised": f"fit {_P} --model muscle --starts 2 --normalise session",
-    "muscle-joint": "fit plain/p-11/trial-1.csv plain/p-11/trial-2.csv --model muscle --starts 2",
-    "muscle-raw": "fit raw/b-12/trial-1.csv --model muscle --starts 1",
-    "muscle-reference": "fit data/reference/muscle_patient.csv --model muscle --prepared",
-    "muscle-2010": f"fit {_A} --model muscle-2010 --starts 2",
-    "tendon": f"fit {_A} --model muscle-tendon --starts 2",
-    "tendon-explicit": f"fit {_A} {_TENDON} --integrator explicit-euler",
-    "tendon-slack-length": f"fit {_A} {_TENDON} --tendon-strain slack-length",
-    "tendon-film": "fit film/d-11/trial-1.toml --model muscle-tendon-strain --starts 1",
-    "tendon-strain": f"fit {_A} --model muscle-tendon-strain --starts 1",
-    "tendon-toe": f"fit {_A} --model muscle-tendon-toe --starts 1",
-    "auto": f"fit {_A}",
-    "auto-plain": f"fit {_P}",
-    "auto-alone": f"fit {_A} --nuisances none",
-    "auto-fixed": f"fit {_A} --fixed tau_rel=1 --priors patient --angle-zero-sd 1",
-    "auto-raw": "fit raw/b-12/trial-1.csv",
-    "auto-film": "fit film/d-11/trial-1.toml",
-    "auto-reflex": "fit reflex/e-11/trial-1.csv --free reflex",
-    "auto-arms": "fit arms/f-11/trial-1.csv --geometry arms/f-11/geometry/geometry.csv "
-    "--geometry-of person",
-    "auto-plate": "fit plate/g-12/trial-1.csv",
-    "auto-empty": "fit empty/h-13/trial-1.csv",
-    "auto-clipped": "fit clipped/u-11/trial-1.csv",
-    "auto-isometric": "fit isometric/a-15/trial-1.csv",
-    "auto-joint": "fit leg/a-11/trial-1.csv leg/a-11/trial-2.csv",
-    "auto-active-passive": "fit leg/a-11/trial-1.csv passive/a-11/trial-1.csv",
-    "auto-soft": "fit soft/r-14/trial-1.csv soft/r-14/trial-2.csv",
-    "auto-treated": "fit leg/a-11/trial-7.csv",
-    "session": "session plain/p-11/trial-1.csv plain/p-11/trial-2.csv --workers 1",
-    "session-known": "session laboratory/a-11 --workers 1",
-    "measures": "measures auto.json",
-    "measures-named": "measures muscle-thesis.json --angle 5",
-    "measures-session": "measures session/",
-    "change": "change auto.json auto-treated.json",
-    "change-named": "change muscle.json muscle-joint.json",
-    "reassessed": "reassess auto.json",
-    "reassessed-named": "reassess tendon.json",
-    "predicted": "validate auto.json leg/a-11/trial-2.csv",
-    "checked": "check clipped/u-11/trial-1.csv --json",
-    "simulated": f"simulate {_P} --parameters tendon.json",
-    "profile": "profile muscle.json k_tri --workers 1",
-    "posterior": "posterior muscle.json --draws 50 --evaluations 600 --workers 1",
-    "exported": "export auto.json --to mjcf",
-    "expected": "expect everything-35 --legs 2",
-    "impedance": "impedance perturbed/qb-3/perturbed.csv --empty perturbed/qb-3/empty.csv",
-    "stretches": "stretches stretched/sa-3/slow.csv",
-    "measured": "fit shared/dynamometer/PL_50_01.toml",
-    "measured-film": "fit filmed.toml --model muscle-tendon --starts 1",
-    "measured-gait": "fit shared/gait/walk36.toml --exclude 10: --model muscle --starts 1",
-    "measured-strides": "fit shared/strides/adult_00.csv shared/strides/adult_02.csv --model "
-    "muscle --starts 1",
-    "measured-impedance": "impedance shared/perturbed/dorsiflexing.csv --sign torque=-1",
 }
 
 #: Fields that say who computed when and where, not what.
@@ -325,7 +210,7 @@ def _numbers(value: Any, key: str, at: str = "") -> Iterator[tuple[str, float]]:
 
 def signature() -> dict[str, str]:
     """What bits depend on beside the code: processor, C library and those that compute."""
-    import llvmlite.binding as llvm
+    import llvmlite.binding as llvm  # type: ignore[import-untyped]
     import scipy.linalg  # noqa: F401  it brings its linear algebra, of which threadpool_info tells
     from threadpoolctl import threadpool_info
 
@@ -338,6 +223,14 @@ def signature() -> dict[str, str]:
         "python": platform.python_version(),
         **{name: version(name) for name in ("numpy", "scipy", "numba", "llvmlite")},
     }
+
+
+def elsewhere(kept: Mapping[str, str]) -> list[str]:
+    """What of a kept file's signature is otherwise here, in words."""
+    here = signature()
+    return [
+        f"{key} was {kept.get(key)}, is {here[key]}" for key in here if here[key] != kept.get(key)
+    ]
 
 
 def differences(kept: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
@@ -417,10 +310,9 @@ def _arguments() -> argparse.Namespace:
 def main() -> int:
     """Compute the cases, say what differs from the kept file, and renew it if asked to."""
     given = _arguments()
-    kept, here = read_kept(given.kept), signature()
-    for key, value in here.items():
-        if kept["signature"].get(key, value) != value:
-            print(f"{key}: {kept['signature'][key]} was kept, here {value}: bits may differ")
+    kept = read_kept(given.kept)
+    for line in elsewhere(kept["signature"]):
+        print(f"bits may differ: {line}")
     chosen, changed = given.only.split(",") if given.only else list(CASES), 0
     with tempfile.TemporaryDirectory() as folder:
         results, cases = Results(Path(folder), given.measured), dict(kept["cases"])
@@ -438,19 +330,20 @@ def main() -> int:
             now = summary(document)
             lines = differences(kept["cases"].get(case, {}), now)
             took = os.times().user - started.user
-            print(f"{case}: {took:.1f} s,", *(lines or ["equal"]), sep="\n" if lines else " ")
+            print("\n".join([f"{case}: {took:.1f} s, {'' if lines else 'equal'}", *lines]))
             if given.documents:
                 given.documents.mkdir(parents=True, exist_ok=True)
                 text = json.dumps(document, indent=1)
                 (given.documents / f"{case}.json").write_text(text, encoding="utf-8")
             if given.beside and (given.beside / f"{case}.json").exists():
                 old = json.loads((given.beside / f"{case}.json").read_text(encoding="utf-8"))
-                print(*_beside(old, document), sep="\n")
+                for line in _beside(old, document):
+                    print(line)
             changed += bool(lines)
             cases[case] = now
     if given.renew:
         ordered = {case: cases[case] for case in CASES if case in cases}
-        text = _written({"signature": here, "cases": ordered})
+        text = _written({"signature": signature(), "cases": ordered})
         given.kept.write_text(text, encoding="utf-8")
     print(f"{changed} of {len(chosen)} cases differ from the kept file")
     return int(bool(changed) and not given.renew)
