@@ -10,7 +10,7 @@ Who means to change a result looks at what differs, and renews the file in the s
 
 Bits are those of one processor and its libraries. Elsewhere the numbers that are kept of each fit
 are compared to 1e-6: other kernels of linear algebra (OpenBLAS's for Haswell in place of SkylakeX)
-moved those of named models and of ``auto`` by 4e-10 at most. What is drawn, tested or chosen from
+moved those of eight fits, named and ``auto``, by 4e-9 at most. What is drawn, tested or chosen from
 a fit has thresholds that a last bit may cross, and is not compared there: such a case is skipped.
 """
 
