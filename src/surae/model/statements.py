@@ -46,7 +46,7 @@ class StatedNumber(Request):
     """A number that a laboratory measured, and its standard deviation."""
 
     value: float = _number("What was measured.", least=-30.0, most=30.0)
-    sd: float = _number("How far it may be off, one standard deviation.", above=0.0, most=30.0)
+    sd: float = _number("How far it may be off, one standard deviation.", least=1e-3, most=30.0)
 
 
 @filed(strict=True, sparse=("again",))
@@ -76,7 +76,7 @@ class StatedAxis(Request):
     """Where the ankle's axis lies from the device's, forward, or forward and up [mm]."""
 
     value: float | tuple[float, float]
-    sd: float = _number("Of each way, one standard deviation.", above=0.0, most=30.0)
+    sd: float = _number("Of each way, one standard deviation.", least=1e-3, most=30.0)
     again: float | tuple[float, float] | None = None  #: As of `StatedZero`.
 
     def __post_init__(self) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 
 from surae.base.errors import InputError
 from surae.base.frozen import freeze
+from surae.base.numbers import real_numbers
 from surae.base.units import SI, FloatArray, kind, plain, spelled, to_si
 from surae.recording.reading import recording_of_table
 from surae.recording.recording import ROLES, Recording
@@ -100,7 +101,7 @@ def _time(table: DataFrame, times: dict[str, Any]) -> tuple[str, FloatArray]:
     called = str(table.index.name)
     if called in TIMES and called not in times:
         times[called] = index
-    elif not times and np.asarray(index).dtype.kind in "mM":
+    elif not times and (np.asarray(index).dtype.kind in "mM" or hasattr(index, "tz")):
         times["time_s"] = index
     if len(times) != 1:
         raise InputError(
@@ -108,7 +109,8 @@ def _time(table: DataFrame, times: dict[str, Any]) -> tuple[str, FloatArray]:
             "one time_s (or time_ms), or the index"
         )
     ((name, values),) = times.items()
-    stamps = np.asarray(values)
+    zoned = getattr(getattr(values, "dtype", None), "tz", None) is not None
+    stamps = np.asarray(values, dtype="datetime64[ns]" if zoned else None)
     if stamps.dtype.kind == "M":
         stamps = stamps - stamps[:1]
     if stamps.dtype.kind == "m":
@@ -118,8 +120,7 @@ def _time(table: DataFrame, times: dict[str, Any]) -> tuple[str, FloatArray]:
 
 def _numbers(values: Any, name: str) -> FloatArray:
     try:
-        if np.asarray(values).dtype.kind in "mM":
-            raise TypeError
-        return np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InputError(f"{_WHERE}: column {name!r} holds no numbers") from None
+        return real_numbers(values)
+    except ValueError as error:
+        said = str(error).removeprefix("it ")
+        raise InputError(f"{_WHERE}: column {name!r} {said}") from None

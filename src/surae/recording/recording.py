@@ -11,6 +11,7 @@ from surae.base.errors import InputError
 from surae.base.files import shown
 from surae.base.formatting import check_known, nearest
 from surae.base.frozen import Comparable, FrozenDict, read_only
+from surae.base.numbers import real_numbers
 from surae.base.records import FileName
 from surae.base.units import SI, FloatArray, kind
 from surae.recording.table import check_samples
@@ -369,9 +370,9 @@ class Recording:
 def _floats(values: npt.ArrayLike, where: str, name: str) -> FloatArray:
     """A read-only copy of an argument as numbers of at least one dimension."""
     try:
-        array = read_only(values)
-    except (TypeError, ValueError):
-        raise InputError(f"{where}: {name} is not an array of numbers") from None
+        array = real_numbers(values)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{where}: {name} is not an array of numbers: {error}") from None
     if array.ndim == 0:
         raise InputError(f"{where}: {name} is a single number; it must be an array")
     return array
