@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from surae.recording.delimited import is_time
 from surae.recording.source import Source
 from surae.recording.table import Table
+from surae.recording.times import is_time
 from surae.recording.untrusted import untrusted
 from surae_formats.foreign import Parsed, foreign_table, optional, packed
 

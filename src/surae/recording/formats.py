@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 from surae.base.cleaning import cleaned
 from surae.base.errors import InputError
@@ -13,7 +13,8 @@ from surae.base.files import PathLike, shown
 from surae.base.plugins import plugins
 from surae.recording import delimited, hdf5, opensim, unread
 from surae.recording.source import Source
-from surae.recording.table import Column, Table, some
+from surae.recording.table import Column, Table
+from surae.recording.unknown import not_understood
 
 
 @runtime_checkable
@@ -87,12 +88,7 @@ def open_table(source: Source, *, timed: bool = True) -> Table:
         raise InputError(known)
     table = form.open_table(source) if form else delimited.open_table(source)
     if timed and not table.time_name:
-        row = "" if table.header is None else f"row {table.header}: "
-        raise InputError(
-            f"{source.shown}: {row}missing column time_s (or time_ms); columns found: "
-            f"{some(table.names)}; a recording is a CSV with such columns, or a TOML mapping of "
-            "other files, which may say rate_hz and start_s"
-        )
+        raise InputError(not_understood(source, table))
     if len(table.names) > _MOST:
         raise InputError(
             f"{source.shown}: {len(table.names)} columns, more than the {_MOST} that are read; "
@@ -103,7 +99,9 @@ def open_table(source: Source, *, timed: bool = True) -> Table:
 
 def _printable(table: Table) -> Table:
     """A table whose texts can be shown and written anywhere."""
-    own = {cleaned(name): name for name in reversed(table.names)}
+    own = {cleaned(name): name for name in reversed((*table.names, table.time_name))}
+    retimed: Any = table.retimed
+    cells: Any = table.cells
     if all(name == its for name, its in own.items()):
         names = table.names
         load = table.load
@@ -123,6 +121,10 @@ def _printable(table: Table) -> Table:
         remarks={cleaned(name): cleaned(text, 1000) for name, text in table.remarks.items()},
         descriptions={cleaned(name): cleaned(text) for name, text in table.descriptions.items()},
         notes={key: cleaned(text) for key, text in table.notes.items()},
+        offered=table.offered and replace(table.offered, column=cleaned(table.offered.column)),
+        retimed=table.retimed
+        and (lambda name, unit: _printable(retimed(own.get(name, name), unit))),
+        cells=table.cells and (lambda name: cells(own[name])),
     )
 
 

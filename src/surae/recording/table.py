@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from surae.base.errors import InputError
-from surae.base.units import FloatArray
+from surae.base.units import FACTORS, FloatArray, spelled
 
 IndexArray = npt.NDArray[np.intp]
 
@@ -207,6 +207,20 @@ class Column:
 
 
 @dataclass(frozen=True, slots=True)
+class Clock:
+    """A column of times."""
+
+    column: str  #: Its name.
+    unit: str  #: One of the units of time; empty where nothing says it.
+    rule: str  #: Why it is taken for the time.
+
+    @property
+    def in_seconds(self) -> float:
+        """What its numbers are multiplied by to be seconds."""
+        return FACTORS["time"][spelled(self.unit) or "s"]
+
+
+@dataclass(frozen=True, slots=True)
 class Table:
     """A data file of which the header has been read.
 
@@ -235,6 +249,14 @@ class Table:
     remarks: Mapping[str, str] = field(default_factory=dict)
     #: What the file says of a column beside its name, by which its role may show.
     descriptions: Mapping[str, str] = field(default_factory=dict)
+    #: The column that seems to be the time by its shape where none is by its name; nothing is read
+    #: by it before a mapping says so.
+    offered: Clock | None = None
+    #: ``retimed(column, unit)``: the same table with its times in that column, where the format
+    #: can say it better than by the column's numbers.
+    retimed: "Callable[[str, str], Table] | None" = None
+    #: ``cells(column)``: what a text holds in a column, sample by sample.
+    cells: Callable[[str], Sequence[str]] | None = None
 
 
 def some(names: Iterable[str], most: int = 8) -> str:
