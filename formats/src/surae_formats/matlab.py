@@ -44,6 +44,7 @@ _TIMES = dict.fromkeys(("time", "times", "t"), 1.0) | {
 #: Names of a sampling rate [Hz], in small letters without ``_``.
 _RATES = ("fs", "rate", "ratehz", "samplingrate", "samplerate", "samplingfrequency")
 _UNITS = ("units", "unit")
+_TITLES = ("title", "comment")
 _LONGEST_UNIT = 100
 #: Structures within structures.
 _DEEPEST = 4
@@ -312,7 +313,8 @@ def _spike2(name: str, channel: Mapping[str, Any]) -> Parsed:
         remark = f"counts, scale {scale:g} and offset {offset:g} applied"
     unit = next((text for key in _UNITS if (text := _text(channel.get(key)))), "")
     time = start + interval * np.arange(len(signal), dtype=np.float64)
-    return Parsed(name, signal, time, unit=unit, remark=remark)
+    said = (text for key in _TITLES if (text := _text(channel.get(key))))
+    return Parsed(name, signal, time, unit=unit, remark=remark, description=next(said, ""))
 
 
 def _rate(variables: Mapping[str, Any], where: str) -> float | None:

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from surae.base.units import FloatArray
-from surae.recording.times import time_column
 from surae.recording.source import Source
 from surae.recording.table import Table
+from surae.recording.times import time_column
 from surae.recording.untrusted import untrusted
 from surae_formats.foreign import Parsed, foreign_table, optional, packed
 

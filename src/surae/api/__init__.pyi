@@ -114,9 +114,11 @@ from surae.recording import write_hdf5 as write_hdf5
 from surae.recording.described import toml_text as toml_text
 from surae.recording.formats import data_files as data_files
 from surae.recording.formats import open_table as open_table
+from surae.recording.inspected_advice import nothing_mapped as nothing_mapped
 from surae.recording.inspected_trials import InspectedTrials as InspectedTrials
 from surae.recording.inspected_trials import inspect_trials as inspect_trials
 from surae.recording.inspected_trials import trials_text as trials_text
+from surae.recording.reading import data_files_below as data_files_below
 from surae.recording.reading import is_mapping as is_mapping
 from surae.recording.reading import mapped_recording as mapped_recording
 from surae.recording.reading import open_mapping as open_mapping

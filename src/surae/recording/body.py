@@ -29,10 +29,10 @@ class Body:
 def body_of(source: Source, head: Heading) -> Body:
     """The text without lines below its numbers, and without headings that are repeated."""
     remarks = []
-    if head.delimiter == "," and _QUOTED_COMMA.search(source.data):
-        if not _QUOTED_POINT.search(source.data):
-            source = replace(source, data=_QUOTED_COMMA.sub(rb'"\1.\2"', source.data))
-            remarks.append("quoted numbers have decimal commas")
+    commas = head.delimiter == "," and _QUOTED_COMMA.search(source.data)
+    if commas and not _QUOTED_POINT.search(source.data):
+        source = replace(source, data=_QUOTED_COMMA.sub(rb'"\1.\2"', source.data))
+        remarks.append("quoted numbers have decimal commas")
     source, again = _without_headings(source, head)
     if again:
         remarks.append(f"the names of the columns are repeated {again} times")

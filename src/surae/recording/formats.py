@@ -1,5 +1,6 @@
 """The formats of data files: surae's own and OpenSim's. Others are plugins, as `surae-formats`."""
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -34,6 +35,11 @@ class FormatModule(Protocol):
 FORMATS: tuple[FormatModule, ...] = (hdf5, opensim)
 #: Columns of a file.
 _MOST = 10_000
+#: What data sets in subfolders (BIDS) say of themselves in tables: no recordings.
+_ABOUT = re.compile(
+    r"(?:.*_)?(?:participants|samples|sessions|scans|events|channels|electrodes|phenotype)\.tsv",
+    re.IGNORECASE,
+)
 #: How the names of files end that can hold signals.
 ENDINGS = (".h5", ".hdf5", ".csv", ".tsv", ".txt", ".sto", ".mot")
 
@@ -68,7 +74,11 @@ def data_files(folder: PathLike) -> list[Path]:
         raise InputError(f"cannot read {shown(folder)}: {str(error.strerror).lower()}") from None
     ends = {*ENDINGS, *chain(*(getattr(form, "ENDINGS", ()) for form in _plugins()))}
     return sorted(
-        path for path in files if path.suffix.lower() in ends and not path.name.startswith(".")
+        path
+        for path in files
+        if path.suffix.lower() in ends
+        and not path.name.startswith(".")
+        and not _ABOUT.fullmatch(path.name)
     )
 
 

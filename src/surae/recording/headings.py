@@ -26,8 +26,8 @@ _SHOW = 3
 _MOST_ROWS = 4
 #: A sampling rate in a line above the names.
 _RATE = re.compile(
-    r"(?:sampl\w*|\brate|frequen\w*|fr[eé]quen\w*|frecuencia|freq|abtast\w*|bemonster\w*"
-    r"|cz[eę]stotliwo\w*)[^\d\n]{0,40}?(\d+(?:[.,]\d+)?)\s*(k?hz|)\b",
+    r"(?:(?P<word>sampl\w*|abtast\w*|bemonster\w*)|\brate|frequen\w*|fr[eé]quen\w*|frecuencia|freq"
+    r"|cz[eę]stotliwo\w*)[^\d\n]{0,40}?(?P<rate>\d+(?:[.,]\d+)?)\s*(?P<unit>k?hz|)\b",
     re.IGNORECASE,
 )
 
@@ -223,8 +223,10 @@ def _above_blank(source: Source, header: Heading) -> Heading:
 def _with_rate(source: Source, header: Heading) -> Heading:
     """The heading with the sampling rate that a line above it states."""
     for line in itertools.islice(source.lines(), header.row - 1):
-        if match := _RATE.search(line):
-            rate = float(match[1].replace(",", ".")) * (1e3 if match[2].lower() == "khz" else 1.0)
+        match = _RATE.search(line)
+        if match and (match["word"] or match["unit"]):
+            factor = 1e3 if match["unit"].lower() == "khz" else 1.0
+            rate = float(match["rate"].replace(",", ".")) * factor
             if 0.0 < rate < 1e7:
                 return replace(header, rate_hz=rate)
     return header

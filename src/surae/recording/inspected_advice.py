@@ -2,11 +2,14 @@
 
 from collections.abc import Iterator, Mapping
 
+from surae.base.files import shown
 from surae.base.formatting import listed
 from surae.recording.inspected_channels import InspectedChannel, Inspection
 from surae.recording.roles import unit_is_volts
-from surae.recording.table import Clock
+from surae.recording.source import open_source
+from surae.recording.table import Clock, some
 from surae.recording.trials import TrialsInFile
+from surae.recording.unknown import export_of
 
 
 def not_one(trials: Mapping[str, TrialsInFile], clocks: Mapping[str, Clock]) -> Iterator[str]:
@@ -73,3 +76,22 @@ def _because(channel: InspectedChannel) -> str:
         return ""
     unit = f" {channel.unit}" if channel.unit else ""
     return f" ({channel.low:.3g} … {channel.high:.3g}{unit})"
+
+
+def nothing_mapped(inspection: Inspection) -> str:
+    """One sentence on files of which no channel is, or could be, a signal."""
+    files = ", ".join(map(shown, inspection.formats))
+    likely = [
+        said
+        for path, form in inspection.formats.items()
+        if form == "CSV" and (said := export_of(open_source(path)))
+    ]
+    names = some([channel.column for channel in inspection.channels])
+    return "; ".join(
+        [
+            f"{files}: none of its columns is known as an angle, a torque or an EMG: {names}",
+            *likely[:1],
+            "name the columns after what they are (ankle angle, torque, EMG TA, with their units), "
+            "or write a mapping with [channels.angle] and so on",
+        ]
+    )

@@ -183,10 +183,11 @@ def _described(path: str, table: Table, name: str, column: Column | InputError) 
         table.remarks.get(name, "") if usable else f"{count} columns have this name: rename one"
     ]
     guess = guess_role(name, unit)
-    if (guess is None or guess.role is None) and (told := table.descriptions.get(name)):
+    vague = guess is None or guess.role is None or guess.confidence == "possible"
+    if vague and (told := table.descriptions.get(name)):
         by_it = guess_role(told, unit)
         if by_it is not None and (guess is None or by_it.role is not None):
-            guess = replace(by_it, rule=f"{by_it.rule}, in its description")
+            guess = replace(by_it, rule=f"{by_it.rule}, in its description {told!r}")
     if isinstance(column, InputError):
         reason = str(column).removeprefix(f"{table.file}: ").removeprefix(f"column {name!r}: ")
         remark = "; ".join(filter(None, (reason, *remarks)))

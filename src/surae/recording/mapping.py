@@ -199,7 +199,7 @@ class Description:
         return shown(path.stem), path.parent
 
     def within(self, data: PathLike | None = None) -> dict[str, MappedTrial]:
-        """The trials in one file, by their names, where the mapping reads all of them; else none."""
+        """The trials in one file by their names, where the mapping reads them all; else none."""
         chosen = self.mapped(None if data is None else self.trial_of(data)[0]).trial
         if chosen is None or not chosen.several:
             return {}

@@ -1,20 +1,25 @@
 """Any supported file to a recording: by its own format, a mapping, or columns with our names."""
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 from surae.base.errors import InputError
-from surae.base.files import PathLike
+from surae.base.files import PathLike, shown
 from surae.base.units import plain
 from surae.recording import hdf5, opensim
 from surae.recording.channels import Scaling, channel, settle_unit
 from surae.recording.corrections import Corrections
 from surae.recording.described import MappedRecording
-from surae.recording.formats import open_table
+from surae.recording.formats import data_files, open_table
 from surae.recording.mapping import Description, recognises
 from surae.recording.recording import Recording, SourceFile
 from surae.recording.roles import NAMES, TIMES, guess_role, role_and_unit
 from surae.recording.source import Source, open_source
 from surae.recording.table import Table, some
+
+#: Folders in folders that are looked into, and files that are taken from there.
+_DEEPEST = 5
+_MOST_BELOW = 1000
 
 
 def read(
@@ -87,10 +92,39 @@ def is_recording(path: PathLike) -> bool:
         source = open_source(path)
         if is_mapping(source) or hdf5.recognises(source):
             return True
-        table = open_table(source)
+        table = open_table(source, timed=False)
     except InputError:
         return False
-    return table.header is None or bool(table.time_name)
+    return table.header is None or bool(table.time_name or table.offered)
+
+
+def data_files_below(folder: PathLike) -> list[Path]:
+    """The files of a folder that can hold signals, or where none is a recording, those below it.
+
+    Raises
+    ------
+    InputError
+        There is no such folder, or it cannot be read; or too many files are below it.
+    """
+    files = data_files(folder)
+    if any(map(is_recording, files)):
+        return files
+    found: list[Path] = []
+    folders = [Path(folder)]
+    for _ in range(_DEEPEST):
+        folders = [
+            inner
+            for outer in folders
+            for inner in sorted(outer.iterdir())
+            if inner.is_dir() and not inner.is_symlink() and not inner.name.startswith(".")
+        ]
+        found += [path for inner in folders for path in data_files(inner)]
+        if len(found) > _MOST_BELOW or len(folders) > _MOST_BELOW:
+            raise InputError(
+                f"{shown(folder)}: more than {_MOST_BELOW} files are in its subfolders; give one "
+                "of these"
+            )
+    return found or files
 
 
 def open_mapping(path: PathLike) -> Source:

@@ -194,6 +194,13 @@ def guess_role(name: str, unit: str | None = None) -> Guess | None:
         called = "EMG" if of_unit is _EMGS else suggested
         return Guess(of_unit, "possible", f"only its unit, {unit}, is one of {called}", side)
     roles, confidence, rule = match
+    of_kind = tuple(role for role in roles if kind(role) == suggested)
+    if len(roles) > 1 and len(of_kind) == 1:
+        roles, confidence, rule = (
+            of_kind,
+            "likely",
+            f"{rule.partition(',')[0]}, and its unit {unit}",
+        )
     emg = roles[0].startswith("emg_")
     if suggested is not None and all(kind(role) != suggested for role in roles):
         if unit_is_volts(unit):

@@ -232,8 +232,9 @@ def one_trial(table: Table, chosen: MappedTrial, where: str) -> Table:
     else:
         labels, first = _by_time(table, where)
     number = _number(chosen, labels, table, where)
-    end = first[number + 1] if number + 1 < len(first) else None
-    return _rows(table, int(first[number]), None if end is None else int(end))
+    end = int(first[number + 1]) if number + 1 < len(first) else None
+    names = tuple(name for name in table.names if name != chosen.column)
+    return replace(_rows(table, int(first[number]), end), names=names)
 
 
 def _by_time(table: Table, where: str) -> tuple[list[str], IndexArray]:

@@ -77,8 +77,8 @@ def not_understood(source: Source, table: Table) -> str:
     if (clock := table.offered) is not None and clock.unit:
         parts.append(
             f"column {clock.column!r} may be the time in {clock.unit}: {clock.rule}; call it "
-            f"time_{clock.unit}, or `surae inspect FILE --output MAP.toml` writes a mapping that says "
-            "so"
+            f"time_{clock.unit}, or `surae inspect FILE --output MAP.toml` writes a mapping that "
+            "says so"
         )
     parts.append(
         "a recording is a CSV with such columns, or a TOML mapping of other files, which may say "
