@@ -120,8 +120,10 @@ from surae.recording.inspected_trials import inspect_trials as inspect_trials
 from surae.recording.inspected_trials import trials_text as trials_text
 from surae.recording.reading import data_files_below as data_files_below
 from surae.recording.reading import is_mapping as is_mapping
+from surae.recording.reading import is_several as is_several
 from surae.recording.reading import mapped_recording as mapped_recording
 from surae.recording.reading import open_mapping as open_mapping
+from surae.recording.reading import read_trials as read_trials
 from surae.recording.source import open_source as open_source
 from surae.recording.table import load_each as load_each
 from surae.recording.table import some as some

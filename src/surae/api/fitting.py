@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Unpack
 
 from surae.api.fitted import Fit
-from surae.api.given import AnyRecording, read_in, several
+from surae.api.given import AnyRecording, each_in, read_in, several
 from surae.api.recordings import checks_for, explained, left_out
 from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
@@ -83,7 +83,7 @@ def fit(
         Something given is unknown, contradictory or unusable.
     """
     settings = FitSettings.of(model, **keywords)
-    measured = [read_in(recording) for recording in several(recordings)]
+    measured = [one for recording in several(recordings) for one in each_in(recording)]
     inputs = inputs_for(settings, measured, [read_in(recording) for recording in several(mvc)])
     if quality is None:
         quality = checks_for(settings, measured)

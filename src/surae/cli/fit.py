@@ -66,8 +66,8 @@ def command(
 
         progress.describe("checking the recordings")
         quality = api.checks_for(settings, measured)
-        for path, each in zip(recordings if strict else (), quality, strict=False):
-            refuse_errors(path, each)
+        for one, each in zip(measured if strict else (), quality, strict=False):
+            refuse_errors(one.where, each)
         contractions = read_all(mvc, progress, mapping, corrections)
         check_outputs(
             {"--output": output, "--report": report, "--figure": figure},
@@ -95,7 +95,7 @@ def read_all(
     recordings = []
     for path in paths:
         progress.describe(f"reading {path}")
-        recordings.append(api.read(path, mapping=mapping, **(corrections or {})))
+        recordings += api.read_trials(path, mapping=mapping, **(corrections or {}))
     return recordings
 
 

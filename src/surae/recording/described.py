@@ -21,6 +21,8 @@ from surae.recording.recording import MUSCLES, ROLES, weight_of
 #: Longest gap that a straight line may fill [s]: what passes the filter of an envelope (2.7 Hz)
 #: unseen, and is no part of a movement.
 LONGEST_BRIDGE_S = 0.05
+#: Of a trial in a file: every one, each a recording of its own.
+EACH = "*"
 #: More a clock is not wrong by [millionths]: it is another rate.
 MOST_PPM = 100_000.0
 #: Kinds of trials that show the device alone, and how electrodes hear other muscles.
@@ -54,10 +56,16 @@ class MappedTrial:
     """What tells apart the trials in one file; `value` or `index` choose one of them."""
 
     column: str | None = setting(None, "A column that says of each sample which trial it is of.")
-    sheet: str | None = setting(None, "The sheet of a workbook that holds the trial.")
-    group: str | None = setting(None, "The group, structure or block that holds it.")
+    sheet: str | None = setting(
+        None, "The sheet of a workbook that holds the trial; `*` for one in each."
+    )
+    group: str | None = setting(
+        None, "The group, structure or block that holds it; `*` for one in each."
+    )
     value: str | float | None = setting(None, "What the column says of the trial.")
-    index: int | None = setting(None, "Or which of them it is, counted from 1.")
+    index: Literal["*"] | int | None = setting(
+        None, "Or which of them it is, counted from 1; `*` for each, where times fall back."
+    )
 
     def __post_init__(self) -> None:
         """Refuse what names nothing, or two things."""
@@ -68,7 +76,7 @@ class MappedTrial:
             raise InputError("trial: name a column, a sheet, a group, or an index from 1 on")
         if self.value is not None and self.column is None:
             raise InputError("trial: value is that of a column; name the column")
-        if self.index is not None and self.index < 1:
+        if isinstance(self.index, int) and self.index < 1:
             raise InputError(f"trial: index is {self.index}; trials are counted from 1")
 
     @property
@@ -79,7 +87,9 @@ class MappedTrial:
     @property
     def several(self) -> bool:
         """Whether no single trial is chosen."""
-        return self.inside is None and self.value is None and self.index is None
+        if self.inside is not None:
+            return self.inside == EACH
+        return self.index == EACH or (self.value is None and self.index is None)
 
 
 @filed(strict=True)

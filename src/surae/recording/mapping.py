@@ -30,9 +30,9 @@ from surae.recording.described import MappedChannel, MappedRecording, MappedTime
 from surae.recording.formats import open_table
 from surae.recording.recording import ROLES, Channel, Recording
 from surae.recording.source import Source, open_source
-from surae.recording.table import Column, Table, instants, some
+from surae.recording.table import Column, Table, fallbacks, instants, some
 from surae.recording.times import timed_by
-from surae.recording.trials import one_trial, trials_of_column
+from surae.recording.trials import chosen_trials, one_trial
 
 #: What a mapping has and nothing else: a channel.
 _CHANNELS = re.compile(r"""^\s*(?:\[\s*['"]?channels['"]?\s*[.\]]|channels\s*[.=])""", re.MULTILINE)
@@ -200,14 +200,18 @@ class Description:
 
     def within(self, data: PathLike | None = None) -> dict[str, MappedTrial]:
         """The trials in one file by their names, where the mapping reads them all; else none."""
-        chosen = self.mapped(None if data is None else self.trial_of(data)[0]).trial
+        mapped = self.mapped(None if data is None else self.trial_of(data)[0])
+        chosen = mapped.trial
         if chosen is None or not chosen.several:
             return {}
         folder = Path(self.source.path).parent if data is None else self.trial_of(data)[1]
         first = next(iter(self.mapped().channels.values()))
         path = Path(data) if data is not None else folder / str(first.file)
+        own = mapped.time
         table = open_table(open_source(path), timed=False)
-        found = trials_of_column(table, str(chosen.column), self.source.shown)
+        if own is not None and chosen.inside is None:
+            table = timed_by(table, *_column_of(own), self.source.shown)
+        found = chosen_trials(table, chosen, self.source.shown)
         return dict(zip(found.names, found.choices, strict=True))
 
     def read(
@@ -419,6 +423,11 @@ def _column_of(time: str | MappedTime) -> tuple[str, str | None]:
 def _timed(own: MappedChannel, column: Column, table: Table, where: str) -> Column:
     """A channel's column, with the times of its own clock where it has one."""
     if own.rate_hz is not None:
+        if column.time_name and (n := len(fallbacks(column.time))):
+            raise InputError(
+                f"{where}: {table.file} holds {n + 1} trials, whose times fall back: rate_hz would "
+                "join them; say which with trial = { column = … } or { index = … }, at the top"
+            )
         even = instants(own.start_s or 0.0, own.rate_hz, len(column.time))
         return _clocked(replace(column, time=even), own)
     if not column.time_name:

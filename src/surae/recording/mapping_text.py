@@ -136,8 +136,8 @@ def _times_and_trials(inspection: Inspection) -> list[str]:
         lines.append(f"# {_line(each.text)}.")
         of_one = {
             "column": f"one alone: add value = {toml_value(each.names[0])}",
-            "group": "one mapping for each",
-            "index": "one mapping for each",
+            "group": f"one alone: {toml_value(each.names[0])} in place of the star",
+            "index": "one alone: its number in place of the star, counted from 1",
         }[each.how]
         lines.append(f"trial = {each.line}  # each is a recording of its own; {of_one}")
         break

@@ -1,7 +1,9 @@
 """Any supported file to a recording: by its own format, a mapping, or columns with our names."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
@@ -16,10 +18,13 @@ from surae.recording.recording import Recording, SourceFile
 from surae.recording.roles import NAMES, TIMES, guess_role, role_and_unit
 from surae.recording.source import Source, open_source
 from surae.recording.table import Table, some
+from surae.recording.trials import SeveralTrialsError, trials_in
 
 #: Folders in folders that are looked into, and files that are taken from there.
 _DEEPEST = 5
 _MOST_BELOW = 1000
+
+_RIGHT = ("sign", "scale", "offset", "swap", "wrap")
 
 
 def read(
@@ -72,6 +77,52 @@ def read(
     return corrections(
         described or recording_of_table(open_table(source), source.name, (source.file,))
     )
+
+
+def read_trials(
+    path: PathLike, *, mapping: PathLike | None = None, **corrections: Any
+) -> list[Recording]:
+    """The recordings in a file: one, or each of the trials that its mapping tells apart.
+
+    Parameters
+    ----------
+    path, mapping, **corrections
+        As of `read`.
+
+    Returns
+    -------
+    list of Recording
+        Of several trials each has the name of its own behind that of the recording.
+
+    Raises
+    ------
+    InputError
+        As of `read`.
+    """
+    source = open_source(path) if mapping is None else open_mapping(mapping)
+    if mapping is None and (hdf5.recognises(source) or not is_mapping(source)):
+        return [read(path, **corrections)]
+    description = Description.of(source)
+    data = None if mapping is None else path
+    within = description.within(data)
+    if not within:
+        return [read(path, mapping=mapping, **corrections)]
+    right = Corrections(
+        **{name: corrections.get(name, ()) or ({} if name != "swap" else ()) for name in _RIGHT}
+    )
+    made = []
+    for name, chosen in within.items():
+        own = description.read(data, chosen=chosen)
+        made.append(right(replace(own, name=f"{own.name}-{name}")))
+    return made
+
+
+def is_several(path: PathLike, mapping: PathLike | None = None) -> bool:
+    """Whether a mapping, or the one given for a file, tells several trials in it apart."""
+    source = open_source(path) if mapping is None else open_mapping(mapping)
+    if mapping is None and (hdf5.recognises(source) or not is_mapping(source)):
+        return False
+    return bool(Description.of(source).within(None if mapping is None else path))
 
 
 def read_described(source: Source) -> Recording | None:
@@ -190,6 +241,11 @@ def recording_of_table(table: Table, name: str, files: tuple[SourceFile, ...] = 
             "write a TOML mapping, which `surae inspect FILE --output MAP.toml` begins"
         )
     columns = table.load(tuple(columns_of.values()))
+    if (trials := trials_in(table, columns)) is not None:
+        raise SeveralTrialsError(
+            f"{table.file}: {trials.text}; each is a recording of its own: `surae inspect FILE "
+            f"--output MAP.toml` writes a mapping that reads them, with trial = {trials.line}"
+        )
     return Recording(
         name=table.notes.get("name", name),
         channels={

@@ -12,18 +12,24 @@ import numpy as np
 
 from surae.base.errors import InputError
 from surae.base.frozen import freeze
-from surae.base.units import FloatArray
-from surae.recording.described import MappedTrial, toml_value
+from surae.recording.described import EACH, MappedTrial, toml_value
 from surae.recording.roles import WORDS, guess_role, words_of
-from surae.recording.table import Column, IndexArray, Table, regular, some
+from surae.recording.table import (
+    FEWEST_SAMPLES,
+    MOST_TRIALS,
+    Column,
+    IndexArray,
+    Table,
+    fallbacks,
+    regular,
+    some,
+)
 
 _WORDS = set(WORDS["trial"])
 _BESIDE = {"id", "no", "nr", "number", "index", "num", "name", "nummer", "numero", "label", "i"}
 #: More trials than these in a file are none; one has so many samples at least.
-_MOST = 500
-_FEWEST = 8
-#: A time falls back where it goes back by more than so many steps.
-_BACK = 5.0
+_MOST = MOST_TRIALS
+_FEWEST = FEWEST_SAMPLES
 #: What may stand between a group's name and a column's.
 _BETWEEN = (": ", "/", ".")
 
@@ -56,12 +62,11 @@ class TrialsInFile:
 
     @property
     def line(self) -> str:
-        """What a mapping says for all of them, or where each is a group for the first."""
-        first = self.names[0]
+        """What a mapping says to read each of them."""
         return {
             "column": f"{{ column = {toml_value(self.column)} }}",
-            "group": f"{{ {'sheet' if self.sheets else 'group'} = {toml_value(first)} }}",
-            "index": "{ index = 1 }",
+            "group": f"{{ {'sheet' if self.sheets else 'group'} = {toml_value(EACH)} }}",
+            "index": f"{{ index = {toml_value(EACH)} }}",
         }[self.how]
 
     @property
@@ -107,22 +112,6 @@ def trials_in(
                 return TrialsInFile("column", tuple(runs), column.name, len(backs))
     names = tuple(str(k) for k in range(1, len(backs) + 2))
     return TrialsInFile("index", names, falls=len(backs))
-
-
-def fallbacks(time: FloatArray) -> IndexArray:
-    """First samples of all trials but the first, where times fall back; empty where they do not.
-
-    They do where each piece between rises and lasts: rows out of order are no trials.
-    """
-    steps = np.diff(time)
-    rising = steps[steps > 0.0]
-    if not len(rising) or not np.isfinite(time).all():
-        return np.empty(0, dtype=np.intp)
-    backs = np.flatnonzero(steps < -_BACK * np.median(rising)) + 1
-    lengths = np.diff([0, *backs, len(time)])
-    whole = len(backs) < _MOST and lengths.min() >= _FEWEST
-    others = np.delete(steps, backs - 1)
-    return backs if whole and (others >= 0.0).all() else np.empty(0, dtype=np.intp)
 
 
 def _is_trial(name: str) -> bool:
@@ -192,10 +181,20 @@ def _is_recording(names: Sequence[str]) -> bool:
     return "angle" in roles and any(r == "torque" or str(r).startswith("emg_") for r in roles)
 
 
-def trials_of_column(table: Table, column: str, where: str) -> TrialsInFile:
-    """The trials that a column tells apart; refused where it is not there or tells none apart."""
-    labels, _ = _by_column(table, column, where)
-    return TrialsInFile("column", tuple(labels), column)
+def chosen_trials(table: Table, chosen: MappedTrial, where: str) -> TrialsInFile:
+    """The trials that a mapping tells apart; refused where it tells none apart."""
+    if chosen.inside is not None:
+        if not (groups := _groups(table.names)):
+            raise InputError(
+                f"{where}: trial: {table.file} has no groups that each hold a recording; its "
+                f"columns are: {some(table.names)}"
+            )
+        return TrialsInFile("group", tuple(groups))
+    if chosen.column is not None:
+        labels, _ = _by_column(table, chosen.column, where)
+        return TrialsInFile("column", tuple(labels), chosen.column)
+    labels, _ = _by_time(table, where)
+    return TrialsInFile("index", tuple(labels))
 
 
 def _by_column(table: Table, column: str, where: str) -> tuple[list[str], IndexArray]:
@@ -224,6 +223,8 @@ def one_trial(table: Table, chosen: MappedTrial, where: str) -> Table:
         There are several, and none is chosen.
     """
     if chosen.inside is not None:
+        if chosen.several:
+            raise _several(table, _groups(table.names), where)
         return _of_group(table, chosen.inside, where)
     if chosen.column is not None:
         labels, first = _by_column(table, chosen.column, where)
@@ -252,12 +253,8 @@ def _number(chosen: MappedTrial, labels: Sequence[str], table: Table, where: str
     """The place of the trial that is chosen, from 0."""
     few = some(labels)
     if chosen.several:
-        raise SeveralTrialsError(
-            f"{where}: {len(labels)} trials in {table.file} ({few}), each a recording of its own; "
-            f'choose one here: trial = {{ column = "{chosen.column}", value = … }}; surae fit, '
-            "check, session and convert take all of them"
-        )
-    if chosen.index is not None:
+        raise _several(table, labels, where)
+    if isinstance(chosen.index, int):
         if chosen.index > len(labels):
             raise InputError(
                 f"{where}: trial: index is {chosen.index}, but {table.file} holds {len(labels)} "
@@ -269,6 +266,15 @@ def _number(chosen: MappedTrial, labels: Sequence[str], table: Table, where: str
         if label == wanted or _same_number(label, wanted):
             return place
     raise InputError(f"{where}: trial: no trial {wanted!r} is in {table.file}; it holds: {few}")
+
+
+def _several(table: Table, names: Sequence[str], where: str) -> SeveralTrialsError:
+    """That no trial was chosen of several."""
+    return SeveralTrialsError(
+        f"{where}: {len(names)} trials are in {table.file} ({some(names)}), each a recording of "
+        "its own: surae fit, check and session take all of them; to read one, choose it in the "
+        "mapping's trial, with value or index, or the name of its group"
+    )
 
 
 def _same_number(label: str, wanted: str) -> bool:
