@@ -123,6 +123,7 @@ from surae.recording.reading import is_mapping as is_mapping
 from surae.recording.reading import is_several as is_several
 from surae.recording.reading import mapped_recording as mapped_recording
 from surae.recording.reading import open_mapping as open_mapping
+from surae.recording.reading import read_contraction as read_contraction
 from surae.recording.reading import read_trials as read_trials
 from surae.recording.source import open_source as open_source
 from surae.recording.table import load_each as load_each

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from surae.base.files import PathLike
 from surae.recording import Recording, read
 from surae.recording.dataframe import DataFrame, of_frame
-from surae.recording.reading import read_trials
+from surae.recording.reading import read_contraction, read_trials
 from surae.signals import ModelInputs
 
 #: A recording in any form: read, prepared, the path of its file, or a DataFrame with the columns of
@@ -32,3 +32,10 @@ def each_in(recording: AnyRecording) -> Sequence[Recording | ModelInputs]:
     if isinstance(recording, Recording | ModelInputs | DataFrame):
         return [read_in(recording)]
     return read_trials(recording)
+
+
+def contraction_in(recording: AnyRecording) -> Recording | ModelInputs:
+    """A maximum contraction, of which EMG is all that is read."""
+    if isinstance(recording, Recording | ModelInputs | DataFrame):
+        return read_in(recording)
+    return read_contraction(recording)

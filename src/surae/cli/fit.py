@@ -68,7 +68,9 @@ def command(
         quality = api.checks_for(settings, measured)
         for one, each in zip(measured if strict else (), quality, strict=False):
             refuse_errors(one.where, each)
-        contractions = read_all(mvc, progress, mapping, corrections)
+        contractions = [
+            api.read_contraction(path, mapping=mapping, **(corrections or {})) for path in mvc
+        ]
         check_outputs(
             {"--output": output, "--report": report, "--figure": figure},
             [file.path for recording in (*measured, *contractions) for file in recording.files],

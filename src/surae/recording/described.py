@@ -229,7 +229,7 @@ class MappedRecording(TrialDescription):
                 f"open: {', '.join(left)} {'are' if len(left) > 1 else 'is'} in the files but not "
                 f"settled; complete [channels.{left[0]}]{known}, or take it out of `open`"
             )
-        if "angle" not in self.channels:
+        if not self.channels:
             raise InputError("channels.angle is missing; every recording needs the angle")
 
 

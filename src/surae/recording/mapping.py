@@ -219,6 +219,8 @@ class Description:
         data: PathLike | None = None,
         trial: str | None = None,
         chosen: MappedTrial | None = None,
+        *,
+        emg_alone: bool = False,
     ) -> Recording:
         """The recording that the mapping describes, or that it makes of a trial's data file.
 
@@ -233,6 +235,11 @@ class Description:
         trial = trial or filed
         mapped = self.mapped(trial)
         chosen = chosen or mapped.trial
+        if "angle" not in mapped.channels and not emg_alone:
+            raise InputError(
+                f"{self.source.shown}: channels.angle is missing; every recording needs the angle, "
+                "but one of maximum contractions"
+            )
         reader = _Reader(
             self.source, folder, filed, None if data is None else Path(data), mapped.time, chosen
         )

@@ -5,16 +5,19 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
-from surae.base.units import plain
+from surae.base.frozen import freeze
+from surae.base.units import SI, plain
 from surae.recording import hdf5, opensim
 from surae.recording.channels import Scaling, channel, settle_unit
 from surae.recording.corrections import Corrections
 from surae.recording.described import MappedRecording
 from surae.recording.formats import data_files, open_table
 from surae.recording.mapping import Description, recognises
-from surae.recording.recording import Recording, SourceFile
+from surae.recording.recording import Channel, Recording, SourceFile
 from surae.recording.roles import NAMES, TIMES, guess_role, role_and_unit
 from surae.recording.source import Source, open_source
 from surae.recording.table import Table, some
@@ -117,6 +120,52 @@ def read_trials(
     return made
 
 
+def read_contraction(
+    path: PathLike, *, mapping: PathLike | None = None, **corrections: Any
+) -> Recording:
+    """Read a maximum contraction, of which EMG is all that is needed.
+
+    Parameters
+    ----------
+    path, mapping, **corrections
+        As of `read`; what is to be put right in signals that it lacks has no effect.
+
+    Returns
+    -------
+    Recording
+        Where it has no angle, one of zeros says in its source that it stands in for one.
+
+    Raises
+    ------
+    InputError
+        As of `read`.
+    """
+    source = open_source(path)
+    if mapping is not None:
+        made = Description.of(open_mapping(mapping)).read(path, emg_alone=True)
+    elif hdf5.recognises(source):
+        made = hdf5.read_recording(source)
+    elif is_mapping(source):
+        made = Description.of(source).read(emg_alone=True)
+    else:
+        table = open_table(source)
+        made = recording_of_table(table, source.name, (source.file,), emg_alone=True)
+    if "angle" not in made.channels:
+        first = next(iter(made.channels.values()))
+        none = freeze(np.zeros(len(first.time)))
+        stands_in = Channel("angle", first.time, none, SI["angle"], "not measured, nor needed")
+        made = replace(made, channels={"angle": stands_in, **made.channels})
+    known = {n: _of(given, made) for n in _RIGHT if (given := corrections.get(n))}
+    return Corrections(**known)(made)
+
+
+def _of(given: Any, recording: Recording) -> Any:
+    """What is put right in the channels that a recording has."""
+    if isinstance(given, Mapping):
+        return {role: value for role, value in given.items() if role in recording.channels}
+    return given
+
+
 def is_several(path: PathLike, mapping: PathLike | None = None) -> bool:
     """Whether a mapping, or the one given for a file, tells several trials in it apart."""
     source = open_source(path) if mapping is None else open_mapping(mapping)
@@ -200,8 +249,13 @@ def mapped_recording(path: PathLike) -> MappedRecording:
     return Description.of(open_mapping(path)).mapped()
 
 
-def recording_of_table(table: Table, name: str, files: tuple[SourceFile, ...] = ()) -> Recording:
-    """The recording of columns with our names, called `name` unless a note says otherwise."""
+def recording_of_table(
+    table: Table, name: str, files: tuple[SourceFile, ...] = (), *, emg_alone: bool = False
+) -> Recording:
+    """The recording of columns with our names, called `name` unless a note says otherwise.
+
+    `emg_alone` says that it needs no angle, as one of maximum contractions.
+    """
     if table.header is not None and table.time_name not in TIMES:
         if not any(plain(column) in NAMES for column in table.names):
             raise InputError(_no_angle(table))
@@ -224,7 +278,8 @@ def recording_of_table(table: Table, name: str, files: tuple[SourceFile, ...] = 
             raise InputError(f"{where}: column {columns_of[role]!r} is the {role} too; keep one")
         columns_of[role] = column
         units[role] = settle_unit(table, role, column, unit, where)
-    if "angle" not in columns_of:
+    emg = any(role.startswith("emg_") for role in columns_of)
+    if "angle" not in columns_of and not (emg and emg_alone):
         raise InputError(_no_angle(table))
     unread = {name: guess_role(name) for name in table.names if name not in columns_of.values()}
     emg = [
