@@ -367,7 +367,8 @@ class _Reader:
         if path not in self.opened:
             with within(where):
                 source = open_source(path)
-                self.opened[path] = source, self._arranged(open_table(source, timed=False), quiet)
+                table = open_table(source, timed=False)
+            self.opened[path] = source, self._arranged(table, quiet)
         table = self.opened[path][1]
         count = table.names.count(own.column)
         if count > 1:

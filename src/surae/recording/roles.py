@@ -146,6 +146,8 @@ _SUFFIXED = re.compile(
 )
 
 
+#: The thesis's symbol of the torque, with a unit or none; its time is a small t.
+_SYMBOL = re.compile(r"T(?:_\w+|\s*[(\[][^()\[\]]*[)\]])?")
 #: A coordinate of a point of motion capture.
 _COORDINATE = re.compile(r".+\.([XYZ])")
 
@@ -175,6 +177,8 @@ def guess_role(name: str, unit: str | None = None) -> Guess | None:
     if plain(name) in NAMES:
         role, own = NAMES[plain(name)]
         return Guess((role,), "stated", f"{role} in {own}: a name of surae's own format")
+    if _SYMBOL.fullmatch(name.strip()) and unit_kind(unit) in (None, "torque"):
+        return Guess(("torque",), "likely", "T, the symbol of the torque")
     words = words_of(name)
     word = _first(words, _SIDES)
     side = _SIDES[word] if word else None

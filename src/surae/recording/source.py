@@ -15,8 +15,8 @@ _BOMS_UTF16 = (b"\xff\xfe", b"\xfe\xff")
 
 #: Bytes between letters that Central European code pages have for letters, Western ones for signs.
 _EASTERN = {
+    "iso8859_2": re.compile(rb"[A-Za-z][\xb1\xb6\xbc][A-Za-z]"),
     "cp1250": re.compile(rb"[A-Za-z][\xb9\xb3\xbf\x9c\x9f\xbe\x9d][A-Za-z]"),
-    "iso8859_2": re.compile(rb"[A-Za-z][\xb1\xb6\xbc\xb5][A-Za-z]"),
 }
 
 #: A file's kind shows within so many bytes: OpenSim's header, a TOML's first key.

@@ -105,13 +105,19 @@ def trials_in(
     if not len(backs):
         return None
     for column in loaded:  # a column that changes where the time falls back
-        changes = np.flatnonzero(np.diff(column.values) != 0.0) + 1
-        if len(column.values) == len(loaded[0].time) and np.array_equal(changes, backs):
-            runs = _runs_of(table, column.name)
-            if runs is not None and len(runs) == len(backs) + 1:
-                return TrialsInFile("column", tuple(runs), column.name, len(backs))
+        if len(column.values) != len(loaded[0].time) or not _constant(column, backs):
+            continue
+        found = _labels(table, column.name)
+        if found is not None and np.array_equal(found[1], [0, *backs]):
+            return TrialsInFile("column", tuple(found[0]), column.name, len(backs))
     names = tuple(str(k) for k in range(1, len(backs) + 2))
     return TrialsInFile("index", names, falls=len(backs))
+
+
+def _constant(column: Column, backs: IndexArray) -> bool:
+    """Whether a column is one number in each trial, or holds words."""
+    pieces = np.split(column.values, backs)
+    return all(np.ptp(each) == 0.0 or np.isnan(each).all() for each in pieces)
 
 
 def _is_trial(name: str) -> bool:
