@@ -8,7 +8,7 @@ import io
 import layouts as made
 import numpy as np
 import pytest
-from layouts import ANGLE, DATA, EMG, MUSCLES, N, OURS, RATE, THEIRS, TIME, TORQUE
+from layouts import ANGLE, DATA, EMG, MUSCLES, OURS, RATE, THEIRS, TIME, TORQUE, N
 
 from surae.api import data_files_below, inspect_trials, nothing_mapped, read_trials
 from surae.base.errors import InputError
@@ -101,7 +101,7 @@ def test_a_count_of_samples_is_no_time(file, column):
     ],
 )
 def test_a_mapping_names_the_column_of_times(file, line, time):
-    path = file(made.timed("when", time, names=OURS))
+    file(made.timed("when", time, names=OURS))
     channels = "".join(
         f'[channels.{role}]\nfile = "trial.csv"\ncolumn = "{name}"\n'
         for role, name in zip(("angle", "torque", "emg_sol"), (*OURS[:2], OURS[4]), strict=True)
@@ -110,7 +110,7 @@ def test_a_mapping_names_the_column_of_times(file, line, time):
     toml = file(f"{line}\n{fixed}{channels}", "map.toml")
     holds(read(toml))
     toml.write_text(toml.read_text().replace("when", "then"))
-    with pytest.raises(InputError, match="time: .*no column 'then'"):
+    with pytest.raises(InputError, match=r"time: .*no column 'then'"):
         read(toml)
 
 

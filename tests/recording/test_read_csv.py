@@ -11,10 +11,10 @@ import pytest
 
 from surae.base.errors import InputError
 from surae.recording import inspect, read
-from surae.recording.times import is_time
 from surae.recording.formats import open_table
 from surae.recording.rows import Rows
 from surae.recording.source import open_source
+from surae.recording.times import is_time
 from surae.signals.timebase import timing
 
 HEADER = "time_s,angle_rad,torque_Nm,emg_ta_V"

@@ -14,7 +14,7 @@ from surae.recording.table import some
 _TAIL = 2**16
 _MOST = 100
 _QUOTED_COMMA = re.compile(rb'"([+-]?\d*),(\d+(?:[eE][+-]?\d+)?)"')
-_QUOTED_POINT = re.compile(rb'"[+-]?\d*\.\d+')
+_POINT = re.compile(rb'(?:^|,|")[ "]*[+-]?\d*\.\d', re.MULTILINE)
 _LINE = re.compile(rb"[^\r\n]*(?:\r\n|\r|\n|$)")
 
 
@@ -30,7 +30,7 @@ def body_of(source: Source, head: Heading) -> Body:
     """The text without lines below its numbers, and without headings that are repeated."""
     remarks = []
     commas = head.delimiter == "," and _QUOTED_COMMA.search(source.data)
-    if commas and not _QUOTED_POINT.search(source.data):
+    if commas and not _POINT.search(source.data):
         source = replace(source, data=_QUOTED_COMMA.sub(rb'"\1.\2"', source.data))
         remarks.append("quoted numbers have decimal commas")
     source, again = _without_headings(source, head)

@@ -16,7 +16,7 @@ from surae.base.errors import InputError
 from surae.base.units import FloatArray, plain
 from surae.recording.body import body_of
 from surae.recording.headings import Heading, heading_of, numeric
-from surae.recording.roles import NAMES
+from surae.recording.roles import NAMES, guess_role
 from surae.recording.rows import Rows, is_clock, split
 from surae.recording.source import Source
 from surae.recording.table import Clock, Column, Table, instants
@@ -111,9 +111,6 @@ def table_of(
         own = Clock(column, unit, "as the mapping says")
         return table_of(source, head, own, form=form, remark=remark, given=True)
 
-    def cells(column: str) -> list[str]:
-        return rows.texts(column)
-
     others = tuple(name for name in names if name and name != time)
     ours = {name: NAMES[plain(name)][1] for name in others if plain(name) in NAMES}
     units = {name: head.units[name] for name in others if head.units.get(name)} | ours
@@ -131,7 +128,7 @@ def table_of(
         remarks=dict.fromkeys(others, said) if said else {},
         offered=offered,
         retimed=retimed,
-        cells=cells,
+        cells=rows.texts,
     )
 
 
@@ -180,7 +177,8 @@ def _by_shape(rows: Rows, where: str) -> Clock | None:
         in_percent = "%" in unit_in_name(name) or "%" in name or "percent" in name.casefold()
         if in_percent and rises_in_percent(values):
             seconds("%", name, where)
-    signals = {n: v for n, v in columns.items() if plain(n) not in NAMES}
+    # A ramp of the angle rises evenly too.
+    signals = {n: v for n, v in columns.items() if guess_role(n) is None}
     clock = time_by_shape(signals)
     if clock is None and (count := counted(signals)):
         return Clock(count, "", "it counts the samples")

@@ -37,7 +37,7 @@ FORMATS: tuple[FormatModule, ...] = (hdf5, opensim)
 _MOST = 10_000
 #: What data sets in subfolders (BIDS) say of themselves in tables: no recordings.
 _ABOUT = re.compile(
-    r"(?:.*_)?(?:participants|samples|sessions|scans|events|channels|electrodes|phenotype)\.tsv",
+    r"(?:participants|samples|sessions)\.tsv|sub-.*_(?:scans|events|channels|electrodes)\.tsv",
     re.IGNORECASE,
 )
 #: How the names of files end that can hold signals.

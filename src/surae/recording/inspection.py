@@ -214,8 +214,8 @@ def _described(path: str, table: Table, name: str, column: Column | InputError) 
     if column.time_name:
         sampling = sampling_of(column.time)
     else:
-        count = table.offered
-        counts = f": column {count.column!r} counts the samples" if count else ""
+        frames = table.offered
+        counts = f": column {frames.column!r} counts the samples" if frames else ""
         remarks.insert(0, f"no times{counts}: give start_s and rate_hz")
     if role is not None:  # a file may state one unit for all signals of a kind
         unit = written_unit(table, name, role)

@@ -278,8 +278,7 @@ class _Reader:
         for role, own in described.items():
             table = tables[role]
             if own.time is not None:
-                column, time_unit = _column_of(own.time)
-                table = tables[role] = timed_by(table, column, time_unit, self._at(role))
+                tables[role] = timed_by(table, *_column_of(own.time), self._at(role))
         columns = self._loaded(described, tables)
         channels: dict[str, Channel] = {}
         for role, own in described.items():

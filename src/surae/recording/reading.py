@@ -110,9 +110,8 @@ def read_trials(
     within = description.within(data)
     if not within:
         return [read(path, mapping=mapping, **corrections)]
-    right = Corrections(
-        **{name: corrections.get(name, ()) or ({} if name != "swap" else ()) for name in _RIGHT}
-    )
+    given: dict[str, Any] = {name: each for name in _RIGHT if (each := corrections.get(name))}
+    right = Corrections(**given)
     made = []
     for name, chosen in within.items():
         own = description.read(data, chosen=chosen)
@@ -278,8 +277,8 @@ def recording_of_table(
             raise InputError(f"{where}: column {columns_of[role]!r} is the {role} too; keep one")
         columns_of[role] = column
         units[role] = settle_unit(table, role, column, unit, where)
-    emg = any(role.startswith("emg_") for role in columns_of)
-    if "angle" not in columns_of and not (emg and emg_alone):
+    some_emg = any(role.startswith("emg_") for role in columns_of)
+    if "angle" not in columns_of and not (some_emg and emg_alone):
         raise InputError(_no_angle(table))
     unread = {name: guess_role(name) for name in table.names if name not in columns_of.values()}
     emg = [

@@ -224,7 +224,7 @@ def guess_role(name: str, unit: str | None = None) -> Guess | None:
 
 def _is_load(words: Sequence[str], unit: str | None) -> bool:
     """Whether a channel is the force of a load cell, and of no plate or other joint."""
-    said = plain(unit or "N").strip().casefold()
+    said = plain(unit or "").strip().casefold()
     others = _PLATE | _OTHER_JOINTS | _OTHER_MUSCLES | (_OTHER_SENSORS - _FORCE - {"forces"})
     numbered = any(word.isdigit() for word in words)
     return bool({*words} & _FORCE) and not {*words} & others and said in _FORCES and not numbered

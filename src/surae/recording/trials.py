@@ -173,10 +173,10 @@ def _groups(names: Sequence[str]) -> list[str]:
             if group:
                 groups.setdefault(group, []).append(own)
         alike: dict[tuple[str, ...], list[str]] = {}
-        for group, own in groups.items():
-            alike.setdefault(tuple(sorted(own)), []).append(group)
-        for own, several in alike.items():
-            if len(several) > 1 and _is_recording(own):
+        for group, members in groups.items():
+            alike.setdefault(tuple(sorted(members)), []).append(group)
+        for held, several in alike.items():
+            if len(several) > 1 and _is_recording(held):
                 return several
     return []
 

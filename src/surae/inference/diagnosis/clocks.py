@@ -28,9 +28,9 @@ _RATE = (8e-4, 0.012)
 #: It is so many of its standard errors from none, and a fit leaves so many times less with it than
 #: with the best lag that does not grow.
 _CLEAR = 3.0
-_LESS = 1.15
+_LESS = 1.1
 #: What a quick fit leaves is alike for so long [s]: fewer of its samples tell anew.
-_ALIKE_S = 1.0
+_ALIKE_S = 0.6
 #: The normal distribution's 97.5 %.
 _Z95 = 1.96
 #: What the fit must explain, and where a growing lag is looked for at all.
