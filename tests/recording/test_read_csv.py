@@ -11,10 +11,10 @@ import pytest
 
 from surae.base.errors import InputError
 from surae.recording import inspect, read
-from surae.recording.delimited import is_time
 from surae.recording.formats import open_table
 from surae.recording.rows import Rows
 from surae.recording.source import open_source
+from surae.recording.times import is_time
 from surae.signals.timebase import timing
 
 HEADER = "time_s,angle_rad,torque_Nm,emg_ta_V"
@@ -151,7 +151,7 @@ def row(number: int, old: str, new: str) -> str:
     ("text", "says"),
     [
         (row(1, "time_s,", "t_end,"), ["row 1", "missing column time_s", "time_ms", "'angle_rad'"]),
-        (row(1, "time_s", "time_min"), ["'time_min'", "row 1", "'min'", "time_s or time_ms"]),
+        (row(1, "time_s", "time_d"), ["'time_d'", "row 1", "'d'", "time_s or time_ms"]),
         (row(1, "time_s", "time"), ["'time'", "row 1", "time_s or time_ms"]),
         (row(1, "time_s", "Zeit [ms]"), ["'Zeit [ms]'", "row 1", "time_s or time_ms"]),
         (
@@ -251,8 +251,8 @@ def test_fast_and_careful_parsing_agree(csv):
     ("name", "time"),
     [
         *((name, True) for name in ("temps", "tijd [ms]", "Tiempo (s)", "tempo", "Uhrzeit")),
-        *((name, True) for name in ("t", "T [s]", "Time", "time of day", "unix time")),
-        *((name, False) for name in ("Zeit (%)", "timex", "temperature", "torque", "t (h)")),
+        *((name, True) for name in ("t", "T [s]", "Time", "time of day", "unix time", "t (h)")),
+        *((name, False) for name in ("Zeit (%)", "timex", "temperature", "torque", "t (d)")),
     ],
 )
 def test_times_of_other_languages_are_known_and_no_unit_is_made_of_their_letters(name, time):

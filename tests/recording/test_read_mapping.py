@@ -116,7 +116,7 @@ def test_a_csv_column_with_our_name_brings_its_unit(mapping):
             [
                 "'leg'",
                 "side, date, condition, notes, effort, use, name, emg, fixed, device, prepare, "
-                "swap, open, channels, trials",
+                "swap, open, time, trial, channels, trials",
             ],
         ),
         ("scale = 2.0", "gain = 2.0", ["channels.torque", "'gain'", "file, column, unit, sign"]),

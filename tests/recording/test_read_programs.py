@@ -182,8 +182,6 @@ def test_a_time_of_no_clock_that_is_known_says_how_to_write_it():
         "Time (%)",
         "time [%]",
         "Time (fortnights)",
-        "Timestamp (ns)",
-        "Zeit [min]",
         "% cycle",
         "Gait cycle (%)",
         "stance_percent",

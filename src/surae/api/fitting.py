@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Unpack
 
 from surae.api.fitted import Fit
-from surae.api.given import AnyRecording, read_in, several
+from surae.api.given import AnyRecording, contraction_in, each_in, several
 from surae.api.recordings import checks_for, explained, left_out
 from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
@@ -19,6 +19,7 @@ from surae.model import ModelOptions
 from surae.model.kernel_cache import on_compilation
 from surae.model.laboratory import AUTO
 from surae.quality import Quality
+from surae.quality.maximum import with_maximum
 from surae.quality.position import is_perturbed
 from surae.quality.used import used
 from surae.recording import Recording
@@ -83,8 +84,8 @@ def fit(
         Something given is unknown, contradictory or unusable.
     """
     settings = FitSettings.of(model, **keywords)
-    measured = [read_in(recording) for recording in several(recordings)]
-    inputs = inputs_for(settings, measured, [read_in(recording) for recording in several(mvc)])
+    measured = [one for recording in several(recordings) for one in each_in(recording)]
+    inputs = inputs_for(settings, measured, [contraction_in(each) for each in several(mvc)])
     if quality is None:
         quality = checks_for(settings, measured)
     if progress is not None or follow is not None:
@@ -132,6 +133,7 @@ def fit_inputs(
     follow: Follow | None = None,
 ) -> Fit:
     """The fit of recordings that `inputs_for` has prepared; all else is as of `fit`."""
+    quality = with_maximum(quality, inputs)
     problem = make_problem(inputs, settings)
     result = solve(problem, progress=progress, follow=follow)
     return Fit(result, assess(result, alternatives=True, quality=quality), tuple(quality))

@@ -20,7 +20,8 @@ from surae.recording import Recording
 from surae.recording.corrections import Corrections
 from surae.recording.described import TrialDescription
 from surae.recording.mapping import Description
-from surae.recording.reading import open_mapping, read
+from surae.recording.reading import is_mapping, open_mapping, read
+from surae.recording.source import open_source
 from surae.settings import FitSettings
 from surae.trials import Reading, TrialSet, prepared_for, reading_of, sorted_trials, trial_files
 
@@ -174,7 +175,11 @@ def session(
     paths = [each for each in sources if not isinstance(each, Recording)]
     said = _session_file(paths)
     files = trial_files(paths, description, said.aside) if paths else {}
-    read_in = (_reading(trial, path, description, right) for trial, path in files.items())
+    read_in = (
+        reading
+        for trial, path in files.items()
+        for reading in _readings(trial, path, description, right)
+    )
     readings = [*in_memory, *read_in]
     names = [reading.name for reading in readings]
     for reading in readings:
@@ -240,6 +245,32 @@ def _reading(name: str, path: Path, description: Description | None, right: Corr
     except InputError as error:
         return Reading(name, str(path), None, str(error), about)
     return Reading(name, str(path), replace(recording, name=name), description=about)
+
+
+def _readings(
+    name: str, path: Path, description: Description | None, right: Corrections
+) -> list[Reading]:
+    """The trials in a file as they were read: one, or each that the mapping tells apart."""
+    try:
+        source = open_source(path) if description is None else None
+        own = description or (Description.of(source) if source and is_mapping(source) else None)
+        within = {} if own is None else own.within(None if description is None else path)
+    except InputError:
+        within = {}  # and the reading says why
+    if not within or own is None:
+        return [_reading(name, path, description, right)]
+    made = []
+    for label, chosen in within.items():
+        trial = f"{name}-{label}"
+        about = TrialDescription() if description is None else description.mapped(trial)
+        try:
+            recording = right(own.read(None if description is None else path, trial, chosen))
+        except InputError as error:
+            made.append(Reading(trial, str(path), None, str(error), about))
+        else:
+            kept = replace(recording, name=trial)
+            made.append(Reading(trial, str(path), kept, description=about))
+    return made
 
 
 def _folder_name(paths: Sequence[Any]) -> str:

@@ -38,7 +38,7 @@ FACTORS: dict[str, dict[str, float]] = {
     "angular_velocity": {"rad/s": 1.0, "deg/s": math.pi / 180},
     "angular_acceleration": {"rad/s2": 1.0, "deg/s2": math.pi / 180},
     "length": {"mm": 1e-3, "cm": 1e-2, "m": 1.0},
-    "time": {"s": 1.0, "ms": 1e-3},
+    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0},
 }
 
 _KNOWN_HERE = tomllib.loads(files("surae.base").joinpath("units.toml").read_text(encoding="utf-8"))
@@ -47,6 +47,11 @@ _SPELLINGS, _KINDS_ALONE = (
     {word: says for says, words in _KNOWN_HERE[each].items() for word in words}
     for each in ("spellings", "alone")
 )
+#: Units that are some of ours times a number: what files write, in small letters and without what
+#: joins its parts, and the unit with that number.
+_SCALED: dict[str, tuple[str, float]] = {
+    word: (unit, float(scale)) for word, (unit, scale) in _KNOWN_HERE["scaled"].items()
+}
 #: Kind of signal by the first word of roles that have a second.
 _KINDS = {"emg": "emg", "fascicle": "length", "pennation": "angle", "second": "angle"}
 #: What may stand between the parts of a unit, and what makes them others.
@@ -109,6 +114,9 @@ def stated(text: str | None) -> Stated | None:
         return Stated("emg", "1", 0.01)
     if unit := spelled(folded):
         return Stated(next(sort for sort, units in FACTORS.items() if unit in units), unit)
+    if (known := _SCALED.get(_JOINED.sub("", folded))) is not None:
+        sort = next(sort for sort, units in FACTORS.items() if known[0] in units)
+        return Stated(sort, *known)
     if folded in _KINDS_ALONE:
         return Stated(_KINDS_ALONE[folded])
     readable = len(folded) <= _LONGEST and _READABLE.fullmatch(folded)

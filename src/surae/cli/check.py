@@ -45,21 +45,28 @@ def command(
     check_recordings(recordings)
 
     protocol = None if commanded is None else api.commanded_file(commanded)
+    names: list[str] = []
     with work() as progress:
 
         def each() -> "Iterator[api.AnyRecording]":
             for path in recordings:
                 progress.describe(f"reading and checking {path}")
-                as_it_is = mapping is None and not corrections
-                yield path if as_it_is else api.read(path, mapping=mapping, **corrections)
+                several = api.is_several(path, mapping)
+                if mapping is None and not corrections and not several:
+                    names.append(path)
+                    yield path
+                    continue
+                for one in api.read_trials(path, mapping=mapping, **corrections):
+                    names.append(f"{path}: {one.name}" if several else path)
+                    yield one
 
         qualities = api.check_together(
             each(), commanded=protocol, prepared=prepared, joint=joint, exclude=exclude
         )
     if as_json:
-        click.echo(json.dumps(_plain(recordings, qualities), ensure_ascii=False, indent=2))
+        click.echo(json.dumps(_plain(names, qualities), ensure_ascii=False, indent=2))
     else:
-        for path, quality in zip(recordings, qualities, strict=True):
+        for path, quality in zip(names, qualities, strict=True):
             show_answer(replace(quality, recording=shown(path)).as_table())
     return 1 if strict and not all(quality.clean for quality in qualities) else 0
 

@@ -66,9 +66,11 @@ def command(
 
         progress.describe("checking the recordings")
         quality = api.checks_for(settings, measured)
-        for path, each in zip(recordings if strict else (), quality, strict=False):
-            refuse_errors(path, each)
-        contractions = read_all(mvc, progress, mapping, corrections)
+        for one, each in zip(measured if strict else (), quality, strict=False):
+            refuse_errors(one.where, each)
+        contractions = [
+            api.read_contraction(path, mapping=mapping, **(corrections or {})) for path in mvc
+        ]
         check_outputs(
             {"--output": output, "--report": report, "--figure": figure},
             [file.path for recording in (*measured, *contractions) for file in recording.files],
@@ -95,7 +97,7 @@ def read_all(
     recordings = []
     for path in paths:
         progress.describe(f"reading {path}")
-        recordings.append(api.read(path, mapping=mapping, **(corrections or {})))
+        recordings += api.read_trials(path, mapping=mapping, **(corrections or {}))
     return recordings
 
 

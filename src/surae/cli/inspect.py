@@ -38,7 +38,7 @@ def command(
     paths = [
         str(path)
         for given in files
-        for path in (api.data_files(given) if Path(given).is_dir() else [given])
+        for path in (api.data_files_below(given) if Path(given).is_dir() else [given])
     ]
     if not paths:
         raise InputError(f"{shown(files[0])}: no data file is there")
@@ -51,13 +51,14 @@ def command(
     with work() as progress:
         progress.describe(f"reading {', '.join(paths[:3])}{' …' if len(paths) > 3 else ''}")
         inspected = api.inspect_trials(paths, side=side)
-    if output is not None:
+    if output is not None and not _is_empty(inspected):
         folder = Path(output).parent
         if isinstance(inspected, api.InspectedTrials):
             write_atomic(output, api.trials_text(inspected, folder))
         else:
             write_atomic(output, api.mapping_text(inspected, folder))
 
+    _refuse_empty(inspected)
     if as_json:
         show_line(json.dumps(to_plain(inspected), indent=1, allow_nan=False, ensure_ascii=False))
         return
@@ -74,6 +75,21 @@ def command(
         show_line(f"To use it: --output MAP.toml, check the comments in it, {then}")
     else:
         show_line(f"mapping: {to}; check its comments, then: {then}")
+
+
+def _is_empty(inspected: "api.Inspection | api.InspectedTrials") -> bool:
+    """Whether no channel is, or could be, a signal."""
+    one = inspected.typical if isinstance(inspected, api.InspectedTrials) else inspected
+    return not one.roles and not one.open
+
+
+def _refuse_empty(inspected: "api.Inspection | api.InspectedTrials") -> None:
+    """Show what is there, and end as wrong input does, where nothing of it can be mapped."""
+    if not _is_empty(inspected):
+        return
+    one = inspected.typical if isinstance(inspected, api.InspectedTrials) else inspected
+    show_answer(one.as_table())
+    raise InputError(api.nothing_mapped(one))
 
 
 def _show_trials(inspected: "api.InspectedTrials") -> None:

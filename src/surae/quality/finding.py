@@ -20,6 +20,7 @@ NOT_AS_STATED = {
     "angle-sign",
     "angle-units",
     "electrodes-swapped",
+    "emg-clock",
     "emg-unit",
     "time-unit",
     "torque-sign",

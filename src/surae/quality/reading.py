@@ -23,6 +23,7 @@ from surae.recording.reading import read_described, recording_of_table
 from surae.recording.roles import NAMES
 from surae.recording.source import Source, open_source
 from surae.recording.table import Column, Table, load_each
+from surae.recording.trials import SeveralTrialsError
 from surae.signals import ModelInputs
 
 #: Columns of a recording that hold the commanded angle, and their factor to radians.
@@ -50,6 +51,8 @@ def recording_or_findings(path: PathLike) -> tuple[Recording | Quality, Commande
     table = open_table(source)
     try:
         recording = recording_of_table(table, source.name, (source.file,))
+    except SeveralTrialsError:
+        raise
     except InputError:
         if (faulty := _faulty(source, table)) is not None:
             return faulty, None

@@ -124,6 +124,9 @@ def _name(channel: Channel) -> str:
 def too_short(recording: Recording) -> Iterator[Finding]:
     """Trials in which the relaxation of tau_rel cannot show."""
     start, end = recording.shared
+    if end <= start:
+        yield _apart(recording)
+        return
     if (seconds := end - start) < SHORT:
         yield make_finding(
             "trial-too-short",
@@ -137,10 +140,32 @@ def too_short(recording: Recording) -> Iterator[Finding]:
         )
 
 
+def _apart(recording: Recording) -> Finding:
+    """That channels have no time in common: what no fit can read."""
+    last = max(recording.signals.values(), key=lambda c: float(c.time[0]))
+    first = min(recording.signals.values(), key=lambda c: float(c.time[-1]))
+    begin = float(last.time[0])
+    end = float(first.time[-1])
+    return make_finding(
+        "no-shared-span",
+        last.role,
+        (end, begin),
+        begin - end,
+        last=last.role,
+        first=first.role,
+        begin=begin,
+        end=end,
+    )
+
+
 #: What a reader says that it did to samples, as it stands in a channel's source.
 _DONE = re.compile(
     r"\d+ unreadable [^;]*bridged by straight lines|times rounded to [^;]*? Hz|"
-    r"the header states [^;]*|" + re.escape(BY_NAME)
+    r"the header states [^;]*|the file was cut short|row \d+ is incomplete [^;]*|"
+    r"from row \d+ on no numbers: [^;]*|its letters are read as [^;]*|"
+    r"quoted numbers have decimal commas|the names of the columns are repeated [^;]*|"
+    r"(?:two|several) rows of names, read as one|clock [^;]* ppm [^;]*, corrected|"
+    r"'[^;]*' is taken as [^;]*|[\d.]+ Hz, as the lines above the names say|" + re.escape(BY_NAME)
 )
 
 

@@ -11,7 +11,7 @@ from surae.base.frozen import freeze
 from surae.base.units import FACTORS, SI, FloatArray, Stated, kind, plain, spelled, stated, to_si
 from surae.recording.described import LONGEST_BRIDGE_S
 from surae.recording.recording import FILM_ROLES, Channel
-from surae.recording.roles import heading_unit
+from surae.recording.roles import heading_unit, unknown_unit
 from surae.recording.table import GAPS, Column, IndexArray, Table, check_finite, check_samples
 
 
@@ -46,7 +46,7 @@ class Scaling:
 def written_unit(table: Table, name: str, role: str | None = None) -> str | None:
     """The unit that the file states for a column, in its own spelling; its name counts last."""
     of_kind = None if role is None else table.units_of_kind.get(kind(role))
-    return table.units.get(name) or of_kind or heading_unit(name)
+    return table.units.get(name) or of_kind or heading_unit(name) or unknown_unit(name)
 
 
 def stated_unit(table: Table, role: str, name: str) -> Stated | None:

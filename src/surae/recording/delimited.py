@@ -1,46 +1,35 @@
 """CSV: a header row that names the columns, then numbers; ``#`` lines are comments.
 
 Columns are separated by commas, semicolons or tabs; where it is no comma, numbers may have a
-decimal one. A block of lines about the recording may come before the names, and a row of units
-after them, as programs such as Noraxon's export them.
+decimal one. A block of lines about the recording may come before the names, rows of names or units
+after them, and lines that are no numbers at the end, as programs export them.
 """
 
-import csv
 import itertools
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
+
+import numpy as np
 
 from surae.base.errors import InputError
-from surae.base.formatting import check_known
-from surae.base.units import FACTORS, plain, spelled
-from surae.recording.recording import EMG_KINDS
-from surae.recording.roles import NAMES, TIMES
+from surae.base.units import FloatArray, plain
+from surae.recording.body import body_of
+from surae.recording.headings import Heading, heading_of, numeric
+from surae.recording.roles import NAMES, guess_role
 from surae.recording.rows import Rows, is_clock, split
 from surae.recording.source import Source
-from surae.recording.table import Column, Table, some
-
-#: Separators, by preference where several could be it.
-DELIMITERS = ("\t", ";", ",")
-
-_NOTE = re.compile(r"#\s*(name|emg)\s*[:=]\s*(.*?)\s*")
-
-#: Names of the time in files that are described by a mapping, beside our own.
-_TIME = (
-    r"(?:time ?stamps?|(?:elapsed |unix |relative )?time|times|zeit|uhrzeit|tijd|temps|tiempo|tempo"
-    r"|clock|time of day|date ?[/&]?(?:and )? ?time)"
+from surae.recording.table import Clock, Column, Table, instants
+from surae.recording.times import (
+    LOOKED_AT,
+    counted,
+    rises_in_percent,
+    seconds,
+    time_by_shape,
+    time_column,
+    unit_in_name,
 )
-_OTHER_TIME = re.compile(rf"(?:{_TIME}|t)[^\w%]*_*(%|\w*)[\W_]*", re.IGNORECASE)
-_TIME_IN = re.compile(rf"{_TIME}\s*[(\[]\s*([^()\[\]]{{1,20}}?)\s*[)\]]", re.IGNORECASE)
-#: What a movement was stretched to, in place of a time.
-_PART = r"(?:cycle|gait|stance|swing|stride|step|movement|phase|normali[sz]ed|time)"
-_PERCENT = re.compile(
-    rf"%|normali[sz]ed[ _]time|.*(?:%|percent).*{_PART}.*|.*{_PART}.*(?:%|percent).*", re.IGNORECASE
-)
-#: What Excel writes first, or is told the separator by.
-_SEPARATOR = re.compile(r"sep=.", re.IGNORECASE)
-#: Lines before the names of the columns that a program may write about the recording.
-_LONGEST_PREFACE = 100
+
 #: Where numbers begin, so many bytes show how they are written.
 _LOOKED_AT = 2**20
 _CELL = rb"(?:^|[;\t])[ \"]*[+-]?\d*%s\d+(?:[eE][+-]?\d+)?[ \"]*(?=[;\t\r\n]|$)"
@@ -48,163 +37,162 @@ _WITH_COMMA = re.compile(_CELL % rb",", re.MULTILINE)
 _WITH_POINT = re.compile(_CELL % rb"\.", re.MULTILINE)
 
 
-def open_table(source: Source) -> Table:
-    """Read the header of a CSV file.
+def open_table(source: Source, clock: Clock | None = None) -> Table:
+    """Read the header of a CSV file, and which column is the time unless a clock is given.
 
     Text with no header, or a comment that sets what isn't known, is refused.
     """
     source.require_text()
-    head = _header(source)
+    head = heading_of(source)
     where = f"{source.shown}: row {head.row}"
-    if all(_numeric(name) for name in head.names):
+    if all(numeric(name) for name in head.names):
         raise InputError(
             f"{where}: numbers where the names of the columns belong; the first line that is no "
             "comment must name them (time_s, angle_rad, ...)"
         )
-    time, factor = time_column(head.names, where)
-    if unit := head.units.get(time):
-        factor = _seconds(unit, time, where)
-    decimal = "."
-    if head.delimiter != ",":
-        body = "".join(itertools.islice(source.lines(), head.row, head.row + 1000)).encode()
-        body = body[:_LOOKED_AT]
-        if _WITH_COMMA.search(body) and not _WITH_POINT.search(body):
-            decimal = ","
+    body = body_of(source, head)
+    names = _named(body.source, head)
+    return table_of(
+        body.source,
+        replace(head, names=names),
+        clock or _clock(head, where),
+        remark="; ".join(filter(None, (source.decoded, head.remark, body.remark))),
+        given=clock is not None,
+    )
+
+
+def table_of(
+    source: Source,
+    head: Heading,
+    clock: Clock | None,
+    *,
+    form: str = "CSV",
+    remark: str = "",
+    given: bool = False,
+) -> Table:
+    """The table below a heading.
+
+    Without a clock its times are those of the heading's rate; where that says none, a column may
+    offer itself by its shape.
+    """
+    where = f"{source.shown}: row {head.row}"
+    decimal = _decimal(source, head)
+    time = "" if clock is None else clock.column
+    if clock is not None and not given and (unit := head.units.get(time)):
+        seconds(unit, time, where)
+        clock = replace(clock, unit=plain(unit))
     first = next(itertools.islice(source.lines(), head.row, None), "")
-    clock = None
     names = head.names
     cells = split(first, head.delimiter)
     if len(cells) == len(names) + 1 and not cells[-1]:  # every row ends with a separator
         names = (*names, "")
+    of_day = None
     if time and len(cells) == len(names):
         at = names.index(time)
-        clock = at if is_clock(cells[at]) else None
-    rows = Rows(source, head.row, names, head.delimiter, decimal, clock)
+        of_day = at if is_clock(cells[at]) else None
+    rows = Rows(source, head.row, names, head.delimiter, decimal, of_day)
+    offered = None
+    if not time and not head.rate_hz:
+        offered = _by_shape(rows, where)
+    elif clock is not None and not clock.unit and of_day is None:
+        clock, said = _plausible(rows, clock)
+        remark = "; ".join(filter(None, (remark, said)))
+    factor = 1.0 if clock is None else clock.in_seconds
 
     def load(wanted: Sequence[str]) -> Mapping[str, Column]:
-        return rows.columns(wanted, time, factor)
+        loaded = rows.columns(wanted, time, factor)
+        if time or not head.rate_hz:
+            return loaded
+        n = len(next(iter(loaded.values())).time) if loaded else 0
+        even = instants(0.0, head.rate_hz, n)
+        return {name: replace(each, time=even, time_name="time") for name, each in loaded.items()}
 
-    others = tuple(name for name in head.names if name and name != time)
+    def retimed(column: str, unit: str) -> Table:
+        own = Clock(column, unit, "as the mapping says")
+        return table_of(source, head, own, form=form, remark=remark, given=True)
+
+    others = tuple(name for name in names if name and name != time)
     ours = {name: NAMES[plain(name)][1] for name in others if plain(name) in NAMES}
     units = {name: head.units[name] for name in others if head.units.get(name)} | ours
-    return Table(source.shown, "CSV", others, time, load, units, notes=head.notes, header=head.row)
+    by_rate = f"{head.rate_hz:g} Hz, as the lines above the names say" if head.rate_hz else ""
+    said = "; ".join(filter(None, (remark, by_rate * (not time))))
+    return Table(
+        source.shown,
+        form,
+        others,
+        time or ("time" if head.rate_hz else ""),
+        load,
+        units,
+        notes=head.notes,
+        header=head.row,
+        remarks=dict.fromkeys(others, said) if said else {},
+        offered=offered,
+        retimed=retimed,
+        cells=rows.texts,
+    )
 
 
-@dataclass(frozen=True, slots=True)
-class _Header:
-    """The names of the columns: last row before the numbers, and what stood before it."""
-
-    row: int
-    names: tuple[str, ...]
-    delimiter: str | None  #: None for white space of any length.
-    notes: Mapping[str, str]
-    units: Mapping[str, str] = field(default_factory=dict)
+def _clock(head: Heading, where: str) -> Clock | None:
+    """The column that is the time by its name."""
+    return time_column(head.names, where)
 
 
-def _header(source: Source) -> _Header:
-    """The header: the first line that is no comment, or behind a preface the one with the time."""
-    notes: dict[str, str] = {}
-    first: _Header | None = None
-    for number, raw in enumerate(source.lines(), start=1):
-        line = raw.strip(" \n")
-        if line.lstrip().startswith("#"):
-            if note := _NOTE.fullmatch(line.strip()):
-                notes[note[1]] = _note(note[1], note[2], f"{source.shown}: row {number}")
-            continue
-        if not line.strip() or _SEPARATOR.fullmatch(line.strip()):
-            continue
-        # What the row below has as often separates the cells, else what is there most often.
-        below = next(itertools.islice(source.lines(), number, None), "")
-        alike = (d for d in DELIMITERS if d in line and line.count(d) == below.count(d))
-        delimiter: str | None = next(alike, max(reversed(DELIMITERS), key=line.count))
-        words = below.split()
-        if (
-            str(delimiter) not in line
-            and len(line.split()) == len(words) > 1
-            and _numeric(words[-1])
-        ):
-            delimiter = None  # white space of any length
-        try:
-            names = tuple(split(line, delimiter))
-        except csv.Error as error:
-            if first is not None:
-                continue
-            raise InputError(f"{source.shown}: row {number}: {error}") from None
-        header = _Header(number, names, delimiter, notes)
-        preface = any(_numeric(name) or is_clock(name) for name in names)  # Time, 09:51:39
-        if len(names) > 1 and any(map(is_time, names)) and not preface:
-            return _with_units(source, header)
-        first = first or header
-        if number > first.row + _LONGEST_PREFACE or all(_numeric(name) for name in names):
-            break
-    if first is None:
-        raise InputError(f"{source.shown}: no header: every line is a comment")
-    return first
+def _named(source: Source, head: Heading) -> tuple[str, ...]:
+    """The names, those that are blank above numbers by their place."""
+    if all(head.names):
+        return head.names
+    first = next(itertools.islice(source.lines(), head.row, None), "")
+    cells = split(first, head.delimiter)
+    cells += [""] * (len(head.names) - len(cells))
+    return tuple(
+        name or (f"column {k}" if cells[k - 1] else "") for k, name in enumerate(head.names, 1)
+    )
 
 
-def _with_units(source: Source, header: _Header) -> _Header:
-    """The header with a row of units below it, where there is one."""
-    below = next(itertools.islice(source.lines(), header.row, None), "")
+def _decimal(source: Source, head: Heading) -> str:
+    """What begins the decimals."""
+    if head.delimiter == ",":
+        return "."
+    body = "".join(itertools.islice(source.lines(), head.row, head.row + 1000)).encode()
+    body = body[:_LOOKED_AT]
+    return "," if _WITH_COMMA.search(body) and not _WITH_POINT.search(body) else "."
+
+
+def _first_numbers(rows: Rows) -> dict[str, FloatArray]:
+    """The first numbers of every column with a name."""
+    lines = itertools.islice(rows.source.lines(), rows.header + LOOKED_AT)
+    few = replace(rows, source=replace(rows.source, data="".join(lines).encode()))
+    named = {name: k for k, name in reversed(list(enumerate(rows.names))) if name}
     try:
-        cells = [cell.strip("[]() ") for cell in split(below, header.delimiter)]
-    except csv.Error:
-        return header
-    known = [spelled(cell) is not None for cell in cells]
-    if len(cells) != len(header.names) or not any(known) or any(map(_numeric, cells)):
-        return header
-    return replace(header, row=header.row + 1, units=dict(zip(header.names, cells, strict=True)))
+        data = few.load(list(named.values()))
+    except InputError:
+        return {}
+    return dict(sorted(zip(named, data, strict=True), key=lambda item: named[item[0]]))
 
 
-def _note(key: str, text: str, where: str) -> str:
-    """The value that a comment sets."""
-    text = text.strip("\"'")
-    if key == "name":
-        return text
-    word = text.split()[0].casefold() if text.split() else ""
-    check_known(f"{where}: emg", EMG_KINDS, word)
-    return word
+def _by_shape(rows: Rows, where: str) -> Clock | None:
+    """The column that is the time by its shape; a movement in percent is refused."""
+    columns = _first_numbers(rows)
+    for name, values in columns.items():
+        in_percent = "%" in unit_in_name(name) or "%" in name or "percent" in name.casefold()
+        if in_percent and rises_in_percent(values):
+            seconds("%", name, where)
+    # A ramp of the angle rises evenly too.
+    signals = {n: v for n, v in columns.items() if guess_role(n) is None}
+    clock = time_by_shape(signals)
+    if clock is None and (count := counted(signals)):
+        return Clock(count, "", "it counts the samples")
+    return clock
 
 
-def is_time(name: str) -> bool:
-    """Whether a column's name is one of the time."""
-    match = _OTHER_TIME.fullmatch(name.strip())
-    return match is not None and (not match[1] or spelled(match[1]) in FACTORS["time"])
-
-
-def _seconds(unit: str, name: str, where: str) -> float:
-    """Factor from a unit of the time to seconds."""
-    known = FACTORS["time"].get(spelled(unit) or "")
-    if known is None:
-        percent = " (a movement in percent has no speed)" * ("%" in unit or "percent" in unit)
-        raise InputError(
-            f"{where}, column {name!r}: unit {unit!r} is not known for time{percent}; use "
-            f"{' or '.join(TIMES)}"
-        )
-    return known
-
-
-def time_column(names: Sequence[str], where: str) -> tuple[str, float]:
-    """Name of the time's column and its factor to seconds."""
-    candidates = [name for name in names if name in TIMES] or [n for n in names if is_time(n)]
-    if len(candidates) > 1:
-        raise InputError(f"{where}: columns {some(candidates)} are all the time; keep one")
-    if candidates:
-        match = _OTHER_TIME.fullmatch(candidates[0].strip())
-        return candidates[0], FACTORS["time"][spelled(match[1] if match else "") or "s"]
-    for name in names:
-        if name.startswith("time_"):
-            _seconds(name[5:], name, where)
-        if (match := _TIME_IN.fullmatch(name.strip())) is not None:
-            _seconds(match[1], name, where)
-    if names and _PERCENT.fullmatch(names[0].strip()):
-        _seconds("%", names[0], where)
-    return "", 1.0
-
-
-def _numeric(cell: str) -> bool:
-    """Whether a cell holds a number."""
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True
+def _plausible(rows: Rows, clock: Clock) -> tuple[Clock, str]:
+    """The clock in the unit that makes its rate one of a laboratory, where seconds do not."""
+    values = _first_numbers(rows).get(clock.column, np.empty(0))
+    found = time_by_shape({clock.column: values})
+    if found is None or found.unit == "s":
+        return clock, ""
+    step = float(np.median(np.diff(values)))
+    if step < 5.0:  # a slow recording in seconds
+        return clock, ""
+    said = f"{clock.column!r} is taken as {found.unit}: in s it would be {1 / step:.3g} Hz"
+    return replace(clock, unit=found.unit), said

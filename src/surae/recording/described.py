@@ -15,17 +15,81 @@ from surae.base.files import shown
 from surae.base.frozen import FrozenDict
 from surae.base.packed import brief
 from surae.base.setting import setting
+from surae.base.units import FACTORS, spelled
 from surae.recording.recording import MUSCLES, ROLES, weight_of
 
 #: Longest gap that a straight line may fill [s]: what passes the filter of an envelope (2.7 Hz)
 #: unseen, and is no part of a movement.
 LONGEST_BRIDGE_S = 0.05
+#: Of a trial in a file: every one, each a recording of its own.
+EACH = "*"
+#: More a clock is not wrong by [millionths]: it is another rate.
+MOST_PPM = 100_000.0
 #: Kinds of trials that show the device alone, and how electrodes hear other muscles.
 EMPTY = "empty device"
 ALONE = "one muscle at a time"
 EFFORTS = ("passive", "active", "isometric", "maximal", EMPTY, ALONE)
 #: A setting that whoever uses it knows by its name.
 Setting = str | bool | int | float | tuple[str | bool | int | float, ...]
+
+
+@filed(strict=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MappedTime:
+    """A column of times and the unit that it is in."""
+
+    column: str = setting("", "Its name in the file.")
+    unit: str | None = setting(None, "s, ms, us, ns, min or h, where the file does not state it.")
+
+    def __post_init__(self) -> None:
+        """Refuse what is no column, or no unit of time."""
+        if not self.column:
+            raise InputError("time: column is missing")
+        if self.unit is not None and spelled(self.unit) not in FACTORS["time"]:
+            known = ", ".join(FACTORS["time"])
+            raise InputError(f"time: unit {self.unit!r} is not known; use one of: {known}")
+
+
+@filed(strict=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MappedTrial:
+    """What tells apart the trials in one file; `value` or `index` choose one of them."""
+
+    column: str | None = setting(None, "A column that says of each sample which trial it is of.")
+    sheet: str | None = setting(
+        None, "The sheet of a workbook that holds the trial; `*` for one in each."
+    )
+    group: str | None = setting(
+        None, "The group, structure or block that holds it; `*` for one in each."
+    )
+    value: str | float | None = setting(None, "What the column says of the trial.")
+    index: Literal["*"] | int | None = setting(
+        None, "Or which of them it is, counted from 1; `*` for each, where times fall back."
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse what names nothing, or two things."""
+        named = [n for n in ("column", "sheet", "group") if getattr(self, n) is not None]
+        if len(named) > 1:
+            raise InputError(f"trial: {' and '.join(named)} both say where the trials are")
+        if not named and self.index is None:
+            raise InputError("trial: name a column, a sheet, a group, or an index from 1 on")
+        if self.value is not None and self.column is None:
+            raise InputError("trial: value is that of a column; name the column")
+        if isinstance(self.index, int) and self.index < 1:
+            raise InputError(f"trial: index is {self.index}; trials are counted from 1")
+
+    @property
+    def inside(self) -> str | None:
+        """The sheet or group that holds the trial; None where rows do."""
+        return self.sheet if self.group is None else self.group
+
+    @property
+    def several(self) -> bool:
+        """Whether no single trial is chosen."""
+        if self.inside is not None:
+            return self.inside == EACH
+        return self.index == EACH or (self.value is None and self.index is None)
 
 
 @filed(strict=True)
@@ -53,9 +117,16 @@ class MappedChannel:
         "Instead of an offset: a file in which it is zero, or `[start, end]` of such a "
         "stretch in s.",
     )
-    time: str | None = setting(None, "The column with its times, where it has a clock of its own.")
+    time: str | MappedTime | None = setting(
+        None, "The column with its times, where it has a clock of its own; as at the top."
+    )
     start_s: float | None = setting(None, "Or the time of its first sample.")
     rate_hz: float | None = setting(None, "And its samples a second.")
+    clock_ppm: float = setting(
+        0.0,
+        "How fast its clock is, in millionths: 2000 where it counts 1.002 s in a second, "
+        "negative where it is slow. True times are stamps / (1 + ppm / 10⁶).",
+    )
     bridge_s: float = setting(
         0.0, "Longest gap [s] of samples that cannot be read which a straight line may fill."
     )
@@ -84,6 +155,11 @@ class MappedChannel:
             raise InputError(f"rate_hz is {self.rate_hz:g}; it must be above 0")
         if self.time is not None and (self.start_s, self.rate_hz) != (None, None):
             raise InputError("time and start_s or rate_hz both say when; give one")
+        if not abs(self.clock_ppm) <= MOST_PPM:
+            raise InputError(
+                f"clock_ppm is {self.clock_ppm:g}; a clock is wrong by {MOST_PPM:g} at most, else "
+                "its rate is: give rate_hz"
+            )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -121,6 +197,16 @@ class MappedRecording(TrialDescription):
         "Signals that the files hold but that are not settled: nothing is read before each is "
         "a channel, left out by its weight in `fixed`, or taken out of this list.",
     )
+    time: str | MappedTime | None = setting(
+        None,
+        'The column with the times of all channels, as `"Czas [s]"` or `{ column = "Czas", '
+        'unit = "s" }`, where the file does not say it.',
+    )
+    trial: MappedTrial | None = setting(
+        None,
+        'Where a file holds several trials: `{ column = "trial" }`, `{ sheet = "walk 2" }`, '
+        '`{ group = "trial2" }`; each is a recording. One of them: with `value` or `index`.',
+    )
     channels: Mapping[str, MappedChannel] = setting(
         FrozenDict, "A table for each signal: `[channels.angle]`, `[channels.torque]`, …"
     )
@@ -143,7 +229,7 @@ class MappedRecording(TrialDescription):
                 f"open: {', '.join(left)} {'are' if len(left) > 1 else 'is'} in the files but not "
                 f"settled; complete [channels.{left[0]}]{known}, or take it out of `open`"
             )
-        if "angle" not in self.channels:
+        if not self.channels:
             raise InputError("channels.angle is missing; every recording needs the angle")
 
 

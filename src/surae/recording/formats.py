@@ -1,10 +1,12 @@
 """The formats of data files: surae's own, OpenSim's, other programs' and those of plugins."""
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
+from typing import Any
 
 from surae.base.cleaning import cleaned
 from surae.base.errors import InputError
@@ -13,12 +15,18 @@ from surae.base.plugins import plugins
 from surae.recording import delimited, hdf5, opensim, unread
 from surae.recording.format_module import FormatModule
 from surae.recording.source import Source
-from surae.recording.table import Column, Table, some
+from surae.recording.table import Column, Table
+from surae.recording.unknown import not_understood
 
 #: In the order in which they are asked, `_others` behind them; CSV takes what no other claims.
 FORMATS: tuple[FormatModule, ...] = (hdf5, opensim)
 #: Columns of a file.
 _MOST = 10_000
+#: What data sets in subfolders (BIDS) say of themselves in tables: no recordings.
+_ABOUT = re.compile(
+    r"(?:participants|samples|sessions)\.tsv|sub-.*_(?:scans|events|channels|electrodes)\.tsv",
+    re.IGNORECASE,
+)
 #: How the names of files end that can hold signals.
 ENDINGS = (".h5", ".hdf5", ".csv", ".tsv", ".txt", ".sto", ".mot")
 
@@ -53,7 +61,11 @@ def data_files(folder: PathLike) -> list[Path]:
         raise InputError(f"cannot read {shown(folder)}: {str(error.strerror).lower()}") from None
     ends = {*ENDINGS, *chain(*(getattr(form, "ENDINGS", ()) for form in _others()))}
     return sorted(
-        path for path in files if path.suffix.lower() in ends and not path.name.startswith(".")
+        path
+        for path in files
+        if path.suffix.lower() in ends
+        and not path.name.startswith(".")
+        and not _ABOUT.fullmatch(path.name)
     )
 
 
@@ -73,12 +85,7 @@ def open_table(source: Source, *, timed: bool = True) -> Table:
         raise InputError(known)
     table = form.open_table(source) if form else delimited.open_table(source)
     if timed and not table.time_name:
-        row = "" if table.header is None else f"row {table.header}: "
-        raise InputError(
-            f"{source.shown}: {row}missing column time_s (or time_ms); columns found: "
-            f"{some(table.names)}; a recording is a CSV with such columns, or a TOML mapping of "
-            "other files, which may say rate_hz and start_s"
-        )
+        raise InputError(not_understood(source, table))
     if len(table.names) > _MOST:
         raise InputError(
             f"{source.shown}: {len(table.names)} columns, more than the {_MOST} that are read; "
@@ -89,7 +96,9 @@ def open_table(source: Source, *, timed: bool = True) -> Table:
 
 def _printable(table: Table) -> Table:
     """A table whose texts can be shown and written anywhere."""
-    own = {cleaned(name): name for name in reversed(table.names)}
+    own = {cleaned(name): name for name in reversed((*table.names, table.time_name))}
+    retimed: Any = table.retimed
+    cells: Any = table.cells
     if all(name == its for name, its in own.items()):
         names = table.names
         load = table.load
@@ -109,6 +118,10 @@ def _printable(table: Table) -> Table:
         remarks={cleaned(name): cleaned(text, 1000) for name, text in table.remarks.items()},
         descriptions={cleaned(name): cleaned(text) for name, text in table.descriptions.items()},
         notes={key: cleaned(text) for key, text in table.notes.items()},
+        offered=table.offered and replace(table.offered, column=cleaned(table.offered.column)),
+        retimed=table.retimed
+        and (lambda name, unit: _printable(retimed(own.get(name, name), unit))),
+        cells=table.cells and (lambda name: cells(own[name])),
     )
 
 

@@ -6,12 +6,14 @@ from typing import Literal
 
 from surae.base.files import shown
 from surae.base.formatting import listed
+from surae.base.frozen import FrozenDict
 from surae.base.records import Plain
 from surae.base.tables import Tabular, TextTable
 from surae.recording.emg_kind import Look
 from surae.recording.recording import MUSCLES
 from surae.recording.roles import Guess, Side
-from surae.recording.table import some
+from surae.recording.table import Clock, some
+from surae.recording.trials import TrialsInFile
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +62,10 @@ class Inspection(Tabular, Plain):
     emg_rule: str = ""  #: Why; empty where there is no EMG.
     direction: str = ""  #: How the torque goes with the angle, where it does.
     advice: tuple[str, ...] = ()  #: What to do, one line each.
+    #: The columns that are offered as times where no name says them, by file.
+    clocks: Mapping[str, Clock] = FrozenDict()
+    #: The trials that a file holds, where they are several, by file; channels are of the first.
+    trials: Mapping[str, TrialsInFile] = FrozenDict()
 
     @property
     def unusable(self) -> Mapping[str, str]:
@@ -129,6 +135,7 @@ class Inspection(Tabular, Plain):
             for role, channel in self.roles.items()
             if (guess := channel.guess) is not None
         ]
+        below += [f"time = {c.column} in {c.unit} ({c.rule})" for c in self.clocks.values()]
         below += [f"side = {self.side} ({self.side_rule})"] if self.side else []
         below += [f"EMG = {self.emg} ({self.emg_rule})"] if self.emg else []
         below += [f"- {some(names, 3)}: {remark}" for remark, names in remarks.items()]

@@ -18,7 +18,9 @@ from surae.recording.channels import channel as read_channel
 from surae.recording.described import LONGEST_BRIDGE_S
 from surae.recording.emg_kind import contradiction, look_of, relation
 from surae.recording.formats import open_table
+from surae.recording.inspected_advice import missing_signals, no_shared_span, not_one
 from surae.recording.inspected_channels import InspectedChannel, Inspection
+from surae.recording.inspected_file import arranged
 from surae.recording.reading import is_mapping
 from surae.recording.recording import FILM_ROLES, ROLES, Recording
 from surae.recording.roles import (
@@ -31,7 +33,9 @@ from surae.recording.roles import (
     unit_kind,
 )
 from surae.recording.source import open_source
-from surae.recording.table import Column, Sampling, Table, load_each, sampling_of, some
+from surae.recording.table import Column, Sampling, Table, sampling_of, some
+from surae.recording.trials import trials_in
+from surae.recording.unknown import not_understood
 
 _SIDES = ("left", "right")
 #: What a channel's source says where only its column's name tells what it is.
@@ -74,8 +78,9 @@ def inspect(paths: PathLike | Sequence[PathLike], *, side: str | None = None) ->
     every = [str(path) for path in paths_of(paths)]
     if not every:
         raise InputError("there is no file to inspect")
-    tables = {path: _opened(path) for path in every}
-    columns = {path: load_each(table, table.names) for path, table in tables.items()}
+    opened = {path: arranged(_opened(path)) for path in every}
+    tables = {path: each.table for path, each in opened.items()}
+    columns = {path: each.columns for path, each in opened.items()}
     channels = _of_their_joint(
         [
             _described(path, tables[path], name, columns[path][name])
@@ -104,6 +109,8 @@ def inspect(paths: PathLike | Sequence[PathLike], *, side: str | None = None) ->
         emg,
         emg_rule,
         direction,
+        clocks=FrozenDict((path, one.clock) for path, one in opened.items() if one.clock),
+        trials=FrozenDict((path, one.trials) for path, one in opened.items() if one.trials),
     )
     return replace(inspection, advice=tuple(_advice(inspection)))
 
@@ -162,7 +169,9 @@ def _opened(path: PathLike) -> Table:
     table = open_table(source, timed=False)
     guesses = [guess_role(name, written_unit(table, name)) for name in table.names]
     # What has neither times nor a signal's name is no recording.
-    return table if table.time_name or any(guesses) else open_table(source)
+    if table.time_name or table.offered or any(guesses) or trials_in(table):
+        return table
+    raise InputError(not_understood(source, table))
 
 
 def _described(path: str, table: Table, name: str, column: Column | InputError) -> InspectedChannel:
@@ -174,10 +183,11 @@ def _described(path: str, table: Table, name: str, column: Column | InputError) 
         table.remarks.get(name, "") if usable else f"{count} columns have this name: rename one"
     ]
     guess = guess_role(name, unit)
-    if (guess is None or guess.role is None) and (told := table.descriptions.get(name)):
+    vague = guess is None or guess.role is None or guess.confidence == "possible"
+    if vague and (told := table.descriptions.get(name)):
         by_it = guess_role(told, unit)
         if by_it is not None and (guess is None or by_it.role is not None):
-            guess = replace(by_it, rule=f"{by_it.rule}, in its description")
+            guess = replace(by_it, rule=f"{by_it.rule}, in its description {told!r}")
     if isinstance(column, InputError):
         reason = str(column).removeprefix(f"{table.file}: ").removeprefix(f"column {name!r}: ")
         remark = "; ".join(filter(None, (reason, *remarks)))
@@ -204,7 +214,9 @@ def _described(path: str, table: Table, name: str, column: Column | InputError) 
     if column.time_name:
         sampling = sampling_of(column.time)
     else:
-        remarks.insert(0, "no times: give start_s and rate_hz")
+        frames = table.offered
+        counts = f": column {frames.column!r} counts the samples" if frames else ""
+        remarks.insert(0, f"no times{counts}: give start_s and rate_hz")
     if role is not None:  # a file may state one unit for all signals of a kind
         unit = written_unit(table, name, role)
     emg = role is not None and role.startswith("emg_")
@@ -372,10 +384,9 @@ def _advice(inspection: Inspection) -> Iterator[str]:
                 "which muscle is which column of the matrix? TA, GL, SOL, GM is the order of "
                 "equation (13) of the thesis, TA, SOL, GM, GL that of its figures"
             )
-    if "angle" in inspection.missing:
-        yield "angle is missing: no recording can be read without it; add its file"
-    if "torque" in inspection.missing:
-        yield "torque is missing: nothing can be fitted without it; add its file"
+    yield from not_one(inspection.trials, inspection.clocks)
+    yield from no_shared_span(inspection.roles)
+    yield from missing_signals(inspection)
     if silent := [role for role in inspection.missing if role.startswith("emg_")]:
         yield (
             f"no channel of {', '.join(silent)}: the mapping fixes their weights at 0, which is "

@@ -9,6 +9,7 @@ import datetime
 import difflib
 import glob
 import re
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
@@ -22,16 +23,19 @@ from surae.base.files import PathLike, shown
 from surae.base.frozen import as_read_only, freeze
 from surae.base.packed import brief
 from surae.base.records import from_plain, parse_toml
-from surae.base.units import FACTORS, spelled, to_si
+from surae.base.units import to_si
 from surae.recording.channels import Scaling, channel, settle_unit
 from surae.recording.corrections import Corrections
-from surae.recording.described import MappedChannel, MappedRecording
+from surae.recording.described import MappedChannel, MappedRecording, MappedTime, MappedTrial
 from surae.recording.formats import open_table
 from surae.recording.recording import ROLES, Channel, Recording
-from surae.recording.roles import words_of
 from surae.recording.source import Source, open_source
-from surae.recording.table import Column, Table, instants, some
+from surae.recording.table import Column, Table, fallbacks, instants, some
+from surae.recording.times import timed_by
+from surae.recording.trials import chosen_trials, one_trial
 
+#: What a mapping has and nothing else: a channel.
+_CHANNELS = re.compile(r"""^\s*(?:\[\s*['"]?channels['"]?\s*[.\]]|channels\s*[.=])""", re.MULTILINE)
 #: How the first line of a TOML file begins: a table, or a key with its equals sign.
 _FIRST = re.compile(r"\s*(\[|(?!(?i:sep)=.\s*$)[\w.\"' -]+=)")
 #: What stands for the trial's name in the name of a file.
@@ -46,9 +50,18 @@ _REST = {"angle": 0.0175, "torque": 1.0}
 
 
 def recognises(source: Source) -> bool:
-    """Whether the first line that is no comment is one of TOML."""
+    """Whether its first line is one of TOML, and it has channels, or else TOML alone."""
     lines = (line for line in source.head() if line.strip() and not line.lstrip().startswith("#"))
-    return bool(_FIRST.match(next(lines, "")))
+    if not _FIRST.match(next(lines, "")):
+        return False
+    text = "\n".join(source.head())
+    if _CHANNELS.search(text):
+        return True
+    try:
+        tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError):
+        return False
+    return True
 
 
 @dataclass(frozen=True, slots=True)
@@ -185,11 +198,35 @@ class Description:
             )
         return shown(path.stem), path.parent
 
-    def read(self, data: PathLike | None = None, trial: str | None = None) -> Recording:
+    def within(self, data: PathLike | None = None) -> dict[str, MappedTrial]:
+        """The trials in one file by their names, where the mapping reads them all; else none."""
+        mapped = self.mapped(None if data is None else self.trial_of(data)[0])
+        chosen = mapped.trial
+        if chosen is None or not chosen.several:
+            return {}
+        folder = Path(self.source.path).parent if data is None else self.trial_of(data)[1]
+        first = next(iter(self.mapped().channels.values()))
+        path = Path(data) if data is not None else folder / str(first.file)
+        own = mapped.time
+        table = open_table(open_source(path), timed=False)
+        if own is not None and chosen.inside is None:
+            table = timed_by(table, *_column_of(own), self.source.shown)
+        found = chosen_trials(table, chosen, self.source.shown)
+        return dict(zip(found.names, found.choices, strict=True))
+
+    def read(
+        self,
+        data: PathLike | None = None,
+        trial: str | None = None,
+        chosen: MappedTrial | None = None,
+        *,
+        emg_alone: bool = False,
+    ) -> Recording:
         """The recording that the mapping describes, or that it makes of a trial's data file.
 
         Each channel keeps its own times. `trial` is what the session calls the trial, where that is
-        not what its file is called: two folders may have files of one name.
+        not what its file is called: two folders may have files of one name. Of several trials in
+        one file `chosen` says which.
         """
         filed = None
         folder = Path(self.source.path).parent
@@ -197,7 +234,15 @@ class Description:
             filed, folder = self.trial_of(data)
         trial = trial or filed
         mapped = self.mapped(trial)
-        reader = _Reader(self.source, folder, filed, None if data is None else Path(data))
+        chosen = chosen or mapped.trial
+        if "angle" not in mapped.channels and not emg_alone:
+            raise InputError(
+                f"{self.source.shown}: channels.angle is missing; every recording needs the angle, "
+                "but one of maximum contractions"
+            )
+        reader = _Reader(
+            self.source, folder, filed, None if data is None else Path(data), mapped.time, chosen
+        )
         channels = reader.channels(mapped.channels)
         read_files = (source.file for source, _ in reader.opened.values())
         files = (*read_files, self.source.file) if data else (self.source.file, *read_files)
@@ -223,30 +268,23 @@ class _Reader:
     #: `trial`, `data`: the trial's name and data file, for a mapping of many.
     trial: str | None
     data: Path | None
+    time: str | MappedTime | None = None  #: The column of times of all channels.
+    chosen: MappedTrial | None = None  #: Which trial of a file is read.
     opened: dict[Path, tuple[Source, Table]] = field(default_factory=dict)  #: What has been read.
 
     def channels(self, described: Mapping[str, MappedChannel]) -> dict[str, Channel]:
         """The channels that are described, in SI units."""
         tables = self._tables(described)
-        wanted: dict[str, list[str]] = {}
         for role, own in described.items():
             table = tables[role]
-            if own.time is not None and own.time not in (*table.names, table.time_name):
-                raise InputError(
-                    f"{self._at(role)}: time: {table.file} has no column {some([own.time])}; it "
-                    f"has: {some(table.names)}"
-                )
-            names = (name for name in (own.column, own.time) if name in table.names)
-            wanted.setdefault(table.file, []).extend(names)
-        columns = {
-            table.file: table.load(list(dict.fromkeys(wanted[table.file])))
-            for table in {table.file: table for table in tables.values()}.values()
-        }
+            if own.time is not None:
+                tables[role] = timed_by(table, *_column_of(own.time), self._at(role))
+        columns = self._loaded(described, tables)
         channels: dict[str, Channel] = {}
         for role, own in described.items():
             table = tables[role]
             unit = settle_unit(table, role, own.column, own.unit, self._at(role))
-            column = _timed(own, columns[table.file], table, self._at(role))
+            column = _timed(own, columns[role], table, self._at(role))
             if own.wrap is not None:
                 column = replace(column, values=freeze(np.unwrap(column.values, period=own.wrap)))
             offset = own.offset
@@ -256,6 +294,20 @@ class _Reader:
             scaling = Scaling(unit, own.sign, own.scale, offset, note, own.bridge_s)
             channels[role] = channel(role, column, scaling, table)
         return channels
+
+    def _loaded(
+        self, described: Mapping[str, MappedChannel], tables: Mapping[str, Table]
+    ) -> dict[str, Column]:
+        """The columns that are wanted, those of one table read together."""
+        roles_of: dict[int, list[str]] = {}
+        for role, table in tables.items():
+            roles_of.setdefault(id(table), []).append(role)
+        loaded: dict[str, Column] = {}
+        for roles in roles_of.values():
+            names = list(dict.fromkeys(described[role].column for role in roles))
+            columns = tables[roles[0]].load(names)
+            loaded |= {role: columns[described[role].column] for role in roles}
+        return loaded
 
     def _at(self, role: str) -> str:
         """Where the mapping describes a channel, for messages."""
@@ -292,12 +344,30 @@ class _Reader:
     def _named(self, file: str) -> str:
         return file if self.trial is None else file.replace(TRIAL, self.trial)
 
-    def _table(self, path: Path, own: MappedChannel, where: str) -> Table:
+    def _arranged(self, table: Table, quiet: bool) -> Table:
+        """A file's table with the trial and the time that the mapping says, of all its channels.
+
+        A quiet trial that gives a zero is a file of its own, and no part of one.
+        """
+        chosen = None if quiet else self.chosen
+        if chosen is not None and chosen.inside is not None:
+            table = one_trial(table, chosen, self.source.shown)
+        if self.time is not None:
+            column, unit = _column_of(self.time)
+            # Of several files one may have its own times.
+            if column in (*table.names, table.time_name) or not table.time_name:
+                table = timed_by(table, column, unit, self.source.shown)
+        if chosen is not None and chosen.inside is None:
+            table = one_trial(table, chosen, self.source.shown)
+        return table
+
+    def _table(self, path: Path, own: MappedChannel, where: str, *, quiet: bool = False) -> Table:
         """A data file's table that has the channel's column; errors say where it is named."""
         if path not in self.opened:
             with within(where):
                 source = open_source(path)
-                self.opened[path] = source, open_table(source, timed=False)
+                table = open_table(source, timed=False)
+            self.opened[path] = source, self._arranged(table, quiet)
         table = self.opened[path][1]
         count = table.names.count(own.column)
         if count > 1:
@@ -324,7 +394,7 @@ class _Reader:
             path = self.folder / self._named(zero)
             if not path.exists():
                 path = Path(self.source.path).parent / self._named(zero)
-            quiet = self._table(path, own, where).load([own.column])[own.column]
+            quiet = self._table(path, own, where, quiet=True).load([own.column])[own.column]
             time = quiet.time
             values = quiet.values
             origin = shown(path.name)
@@ -352,22 +422,37 @@ class _Reader:
         return -mean, f"zero {mean:.4g} ± {abs(own.scale) * float(values.std()):.2g} of {origin}"
 
 
-def _timed(own: MappedChannel, columns: Mapping[str, Column], table: Table, where: str) -> Column:
+def _column_of(time: str | MappedTime) -> tuple[str, str | None]:
+    """The column of times that a mapping says, and its unit."""
+    return (time, None) if isinstance(time, str) else (time.column, time.unit)
+
+
+def _timed(own: MappedChannel, column: Column, table: Table, where: str) -> Column:
     """A channel's column, with the times of its own clock where it has one."""
-    column = columns[own.column]
-    if own.time is not None and own.time in columns:
-        # Their unit is by the file's word, or by the last of the column's name.
-        unit = table.units.get(own.time) or words_of(own.time)[-1]
-        factor = FACTORS["time"].get(spelled(unit) or "s", 1.0)
-        seconds = as_read_only(columns[own.time].values * factor)
-        return replace(column, time=seconds, time_name=own.time)
     if own.rate_hz is not None:
-        return replace(column, time=instants(own.start_s or 0.0, own.rate_hz, len(column.time)))
+        if column.time_name and (n := len(fallbacks(column.time))):
+            raise InputError(
+                f"{where}: {table.file} holds {n + 1} trials, whose times fall back: rate_hz would "
+                "join them; say which with trial = { column = … } or { index = … }, at the top"
+            )
+        even = instants(own.start_s or 0.0, own.rate_hz, len(column.time))
+        return _clocked(replace(column, time=even), own)
     if not column.time_name:
         raise InputError(
             f"{where}: {table.file} has no times of {own.column!r}: give start_s, when the "
             "recording's clock shows its first sample, and rate_hz, its samples a second"
         )
     if own.start_s is not None and len(column.time):
-        return replace(column, time=as_read_only(column.time - column.time[0] + own.start_s))
-    return column
+        column = replace(column, time=as_read_only(column.time - column.time[0] + own.start_s))
+    return _clocked(column, own)
+
+
+def _clocked(column: Column, own: MappedChannel) -> Column:
+    """A column whose clock is slow or fast, in true time; a first instant that is given is true."""
+    if not own.clock_ppm or not len(column.time):
+        return column
+    true = 0.0 if own.start_s is None else own.start_s
+    time = true + (column.time - true) / (1.0 + 1e-6 * own.clock_ppm)
+    said = f"clock {own.clock_ppm:g} ppm {'fast' if own.clock_ppm > 0 else 'slow'}, corrected"
+    remark = "; ".join(filter(None, (column.remark, said)))
+    return replace(column, time=as_read_only(time), remark=remark)

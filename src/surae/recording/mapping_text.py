@@ -7,6 +7,7 @@ from pathlib import Path
 from surae.base.files import PathLike, shown
 from surae.base.units import FACTORS, kind, stated
 from surae.recording.described import toml_value
+from surae.recording.inspected_advice import could_be
 from surae.recording.inspected_channels import InspectedChannel, Inspection
 from surae.recording.recording import FILM_ROLES, ROLES, weight_of
 from surae.recording.roles import unit_is_volts
@@ -78,6 +79,7 @@ def mapping_text(
         lines.append(f'# emg = "raw"  # state it: raw or envelope ({why})')
     if inspection.side is not None:
         lines.append(f"side = {toml_value(inspection.side)}  # {inspection.side_rule}")
+    lines += _times_and_trials(inspection)
     silent = [role[4:] for role in inspection.missing if role.startswith("emg_")]
     if silent:
         weights = ", ".join(f"{weight_of(muscle)} = 0.0" for muscle in silent)
@@ -104,7 +106,12 @@ def mapping_text(
                 entry = _entry(role, channel, inspection, folder, files)
                 lines += [f"# {line}" for line in entry]
         elif role in ("angle", "torque"):
-            lines += ["", f"# {role} is missing: add [channels.{role}] with file, column, unit."]
+            could = [repr(_line(c.column)) for c in channels if could_be(c)][:6]
+            one = f" if one of {', '.join(could)} is it, or its file" if could else ""
+            lines += [
+                "",
+                f"# {role} is missing: add [channels.{role}] with file, column, unit{one}.",
+            ]
     used = {id(channel) for several in open_roles.values() for channel in several}
     used |= set(map(id, roles.values()))
     rest = [channel for channel in channels if id(channel) not in used]
@@ -115,6 +122,26 @@ def mapping_text(
     if len(rest) > _MOST_UNUSED:
         lines.append(f"#   and {len(rest) - _MOST_UNUSED} more")
     return "\n".join(lines) + "\n"
+
+
+def _times_and_trials(inspection: Inspection) -> list[str]:
+    """The lines on the column of times and on the trials in a file."""
+    lines = []
+    for clock in dict.fromkeys(inspection.clocks.values()):
+        column = toml_value(clock.column)
+        said = f"time = {{ column = {column}, unit = {toml_value(clock.unit)} }}"
+        lines.append(f"{said}  # check: {_line(clock.rule)}")
+        break
+    for each in dict.fromkeys(inspection.trials.values()):
+        lines.append(f"# {_line(each.text)}.")
+        of_one = {
+            "column": f"one alone: add value = {toml_value(each.names[0])}",
+            "group": f"one alone: {toml_value(each.names[0])} in place of the star",
+            "index": "one alone: its number in place of the star, counted from 1",
+        }[each.how]
+        lines.append(f"trial = {each.line}  # each is a recording of its own; {of_one}")
+        break
+    return lines
 
 
 def _entry(

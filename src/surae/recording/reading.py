@@ -1,20 +1,33 @@
 """Any supported file to a recording: by its own format, a mapping, or columns with our names."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from surae.base.errors import InputError
-from surae.base.files import PathLike
-from surae.base.units import plain
+from surae.base.files import PathLike, shown
+from surae.base.frozen import freeze
+from surae.base.units import SI, plain
 from surae.recording import hdf5, opensim
 from surae.recording.channels import Scaling, channel, settle_unit
 from surae.recording.corrections import Corrections
 from surae.recording.described import MappedRecording
-from surae.recording.formats import open_table
+from surae.recording.formats import data_files, open_table
 from surae.recording.mapping import Description, recognises
-from surae.recording.recording import Recording, SourceFile
+from surae.recording.recording import Channel, Recording, SourceFile
 from surae.recording.roles import NAMES, TIMES, guess_role, role_and_unit
 from surae.recording.source import Source, open_source
 from surae.recording.table import Table, some
+from surae.recording.trials import SeveralTrialsError, trials_in
+
+#: Folders in folders that are looked into, and files that are taken from there.
+_DEEPEST = 5
+_MOST_BELOW = 1000
+
+_RIGHT = ("sign", "scale", "offset", "swap", "wrap")
 
 
 def read(
@@ -69,6 +82,97 @@ def read(
     )
 
 
+def read_trials(
+    path: PathLike, *, mapping: PathLike | None = None, **corrections: Any
+) -> list[Recording]:
+    """The recordings in a file: one, or each of the trials that its mapping tells apart.
+
+    Parameters
+    ----------
+    path, mapping, **corrections
+        As of `read`.
+
+    Returns
+    -------
+    list of Recording
+        Of several trials each has the name of its own behind that of the recording.
+
+    Raises
+    ------
+    InputError
+        As of `read`.
+    """
+    source = open_source(path) if mapping is None else open_mapping(mapping)
+    if mapping is None and (hdf5.recognises(source) or not is_mapping(source)):
+        return [read(path, **corrections)]
+    description = Description.of(source)
+    data = None if mapping is None else path
+    within = description.within(data)
+    if not within:
+        return [read(path, mapping=mapping, **corrections)]
+    given: dict[str, Any] = {name: each for name in _RIGHT if (each := corrections.get(name))}
+    right = Corrections(**given)
+    made = []
+    for name, chosen in within.items():
+        own = description.read(data, chosen=chosen)
+        made.append(right(replace(own, name=f"{own.name}-{name}")))
+    return made
+
+
+def read_contraction(
+    path: PathLike, *, mapping: PathLike | None = None, **corrections: Any
+) -> Recording:
+    """Read a maximum contraction, of which EMG is all that is needed.
+
+    Parameters
+    ----------
+    path, mapping, **corrections
+        As of `read`; what is to be put right in signals that it lacks has no effect.
+
+    Returns
+    -------
+    Recording
+        Where it has no angle, one of zeros says in its source that it stands in for one.
+
+    Raises
+    ------
+    InputError
+        As of `read`.
+    """
+    source = open_source(path)
+    if mapping is not None:
+        made = Description.of(open_mapping(mapping)).read(path, emg_alone=True)
+    elif hdf5.recognises(source):
+        made = hdf5.read_recording(source)
+    elif is_mapping(source):
+        made = Description.of(source).read(emg_alone=True)
+    else:
+        table = open_table(source)
+        made = recording_of_table(table, source.name, (source.file,), emg_alone=True)
+    if "angle" not in made.channels:
+        first = next(iter(made.channels.values()))
+        none = freeze(np.zeros(len(first.time)))
+        stands_in = Channel("angle", first.time, none, SI["angle"], "not measured, nor needed")
+        made = replace(made, channels={"angle": stands_in, **made.channels})
+    known = {n: _of(given, made) for n in _RIGHT if (given := corrections.get(n))}
+    return Corrections(**known)(made)
+
+
+def _of(given: Any, recording: Recording) -> Any:
+    """What is put right in the channels that a recording has."""
+    if isinstance(given, Mapping):
+        return {role: value for role, value in given.items() if role in recording.channels}
+    return given
+
+
+def is_several(path: PathLike, mapping: PathLike | None = None) -> bool:
+    """Whether a mapping, or the one given for a file, tells several trials in it apart."""
+    source = open_source(path) if mapping is None else open_mapping(mapping)
+    if mapping is None and (hdf5.recognises(source) or not is_mapping(source)):
+        return False
+    return bool(Description.of(source).within(None if mapping is None else path))
+
+
 def read_described(source: Source) -> Recording | None:
     """The recording of a file that says what each channel is: our HDF5 or a mapping; else None."""
     if hdf5.recognises(source):
@@ -87,10 +191,39 @@ def is_recording(path: PathLike) -> bool:
         source = open_source(path)
         if is_mapping(source) or hdf5.recognises(source):
             return True
-        table = open_table(source)
+        table = open_table(source, timed=False)
     except InputError:
         return False
-    return table.header is None or bool(table.time_name)
+    return table.header is None or bool(table.time_name or table.offered)
+
+
+def data_files_below(folder: PathLike) -> list[Path]:
+    """The files of a folder that can hold signals, or where none is a recording, those below it.
+
+    Raises
+    ------
+    InputError
+        There is no such folder, or it cannot be read; or too many files are below it.
+    """
+    files = data_files(folder)
+    if any(map(is_recording, files)):
+        return files
+    found: list[Path] = []
+    folders = [Path(folder)]
+    for _ in range(_DEEPEST):
+        folders = [
+            inner
+            for outer in folders
+            for inner in sorted(outer.iterdir())
+            if inner.is_dir() and not inner.is_symlink() and not inner.name.startswith(".")
+        ]
+        found += [path for inner in folders for path in data_files(inner)]
+        if len(found) > _MOST_BELOW or len(folders) > _MOST_BELOW:
+            raise InputError(
+                f"{shown(folder)}: more than {_MOST_BELOW} files are in its subfolders; give one "
+                "of these"
+            )
+    return found or files
 
 
 def open_mapping(path: PathLike) -> Source:
@@ -115,8 +248,13 @@ def mapped_recording(path: PathLike) -> MappedRecording:
     return Description.of(open_mapping(path)).mapped()
 
 
-def recording_of_table(table: Table, name: str, files: tuple[SourceFile, ...] = ()) -> Recording:
-    """The recording of columns with our names, called `name` unless a note says otherwise."""
+def recording_of_table(
+    table: Table, name: str, files: tuple[SourceFile, ...] = (), *, emg_alone: bool = False
+) -> Recording:
+    """The recording of columns with our names, called `name` unless a note says otherwise.
+
+    `emg_alone` says that it needs no angle, as one of maximum contractions.
+    """
     if table.header is not None and table.time_name not in TIMES:
         if not any(plain(column) in NAMES for column in table.names):
             raise InputError(_no_angle(table))
@@ -139,7 +277,8 @@ def recording_of_table(table: Table, name: str, files: tuple[SourceFile, ...] = 
             raise InputError(f"{where}: column {columns_of[role]!r} is the {role} too; keep one")
         columns_of[role] = column
         units[role] = settle_unit(table, role, column, unit, where)
-    if "angle" not in columns_of:
+    some_emg = any(role.startswith("emg_") for role in columns_of)
+    if "angle" not in columns_of and not (some_emg and emg_alone):
         raise InputError(_no_angle(table))
     unread = {name: guess_role(name) for name in table.names if name not in columns_of.values()}
     emg = [
@@ -156,6 +295,11 @@ def recording_of_table(table: Table, name: str, files: tuple[SourceFile, ...] = 
             "write a TOML mapping, which `surae inspect FILE --output MAP.toml` begins"
         )
     columns = table.load(tuple(columns_of.values()))
+    if (trials := trials_in(table, columns)) is not None:
+        raise SeveralTrialsError(
+            f"{table.file}: {trials.text}; each is a recording of its own: `surae inspect FILE "
+            f"--output MAP.toml` writes a mapping that reads them, with trial = {trials.line}"
+        )
     return Recording(
         name=table.notes.get("name", name),
         channels={

@@ -92,11 +92,11 @@ Side = Literal["left", "right"]
 CONFIDENCES: tuple[Confidence, ...] = ("stated", "named", "likely", "possible")
 
 #: The words of names, by what they say.
-_WORDS: Mapping[str, Any] = tomllib.loads(
+WORDS: Mapping[str, Any] = tomllib.loads(
     files("surae.recording").joinpath("roles.toml").read_text(encoding="utf-8")
 )
 _ANKLE, _OTHER_JOINTS, _OTHER_SENSORS, _PLATE, _TORQUE, _VELOCITY, _ACCELERATION, _ANGLE, _EMG = (
-    set(_WORDS[each])
+    set(WORDS[each])
     for each in (
         "ankle",
         "other_joints",
@@ -110,7 +110,7 @@ _ANKLE, _OTHER_JOINTS, _OTHER_SENSORS, _PLATE, _TORQUE, _VELOCITY, _ACCELERATION
     )
 )
 _LATERAL, _MEDIAL, _GASTROCNEMIUS, _TIBIALIS, _ANTERIOR, _OTHER_MUSCLES, _FRAMES = (
-    set(_WORDS[each])
+    set(WORDS[each])
     for each in (
         "lateral",
         "medial",
@@ -122,10 +122,13 @@ _LATERAL, _MEDIAL, _GASTROCNEMIUS, _TIBIALIS, _ANTERIOR, _OTHER_MUSCLES, _FRAMES
     )
 )
 _SIDES, _WHOLE, _SHORT, _OF_OTHER_JOINTS = (
-    {word: says for says, words in _WORDS[each].items() for word in words}
+    {word: says for says, words in WORDS[each].items() for word in words}
     for each in ("sides", "whole", "short", "of_other_joints")
 )
-_FILMS: Mapping[str, Sequence[str]] = _WORDS["films"]
+_FORCE = set(WORDS["force"])
+#: Units of force, in small letters.
+_FORCES = ("n", "kn", "newton", "newtons", "lbf", "lb", "kgf", "kg", "kp", "v", "mv")
+_FILMS: Mapping[str, Sequence[str]] = WORDS["films"]
 
 _CAMEL = re.compile(
     r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])|(?<=[A-Za-z])(?=\d)|(?<=\d)(?=[A-Za-z])"
@@ -143,6 +146,8 @@ _SUFFIXED = re.compile(
 )
 
 
+#: The thesis's symbol of the torque, with a unit or none; its time is a small t.
+_SYMBOL = re.compile(r"T(?:_\w+|\s*[(\[][^()\[\]]*[)\]])?")
 #: A coordinate of a point of motion capture.
 _COORDINATE = re.compile(r".+\.([XYZ])")
 
@@ -172,6 +177,8 @@ def guess_role(name: str, unit: str | None = None) -> Guess | None:
     if plain(name) in NAMES:
         role, own = NAMES[plain(name)]
         return Guess((role,), "stated", f"{role} in {own}: a name of surae's own format")
+    if _SYMBOL.fullmatch(name.strip()) and unit_kind(unit) in (None, "torque"):
+        return Guess(("torque",), "likely", "T, the symbol of the torque")
     words = words_of(name)
     word = _first(words, _SIDES)
     side = _SIDES[word] if word else None
@@ -181,6 +188,9 @@ def guess_role(name: str, unit: str | None = None) -> Guess | None:
         last = words_of(name.rpartition(": ")[2])
         match = _quantity(last) or _muscle(last)
     if match is None:
+        if _is_load(words, unit):
+            rule = "a force: a torque once it is multiplied by its lever arm [m] (scale)"
+            return Guess(("torque",), "possible", rule, side)
         known = {*words} & (_OTHER_JOINTS | _OTHER_SENSORS | _OTHER_MUSCLES | _PLATE)
         of_unit = {"torque": ("torque",), "angle": ("angle",), "emg": _EMGS}.get(suggested or "")
         if not of_unit or known or unit == "V":  # volts are of any sensor
@@ -188,6 +198,13 @@ def guess_role(name: str, unit: str | None = None) -> Guess | None:
         called = "EMG" if of_unit is _EMGS else suggested
         return Guess(of_unit, "possible", f"only its unit, {unit}, is one of {called}", side)
     roles, confidence, rule = match
+    of_kind = tuple(role for role in roles if kind(role) == suggested)
+    if len(roles) > 1 and len(of_kind) == 1:
+        roles, confidence, rule = (
+            of_kind,
+            "likely",
+            f"{rule.partition(',')[0]}, and its unit {unit}",
+        )
     emg = roles[0].startswith("emg_")
     if suggested is not None and all(kind(role) != suggested for role in roles):
         if unit_is_volts(unit):
@@ -203,6 +220,14 @@ def guess_role(name: str, unit: str | None = None) -> Guess | None:
         else:
             rule += "; X of three coordinates, the flexion in most models"
     return Guess(roles, confidence, rule, side)
+
+
+def _is_load(words: Sequence[str], unit: str | None) -> bool:
+    """Whether a channel is the force of a load cell, and of no plate or other joint."""
+    said = plain(unit or "").strip().casefold()
+    others = _PLATE | _OTHER_JOINTS | _OTHER_MUSCLES | (_OTHER_SENSORS - _FORCE - {"forces"})
+    numbered = any(word.isdigit() for word in words)
+    return bool({*words} & _FORCE) and not {*words} & others and said in _FORCES and not numbered
 
 
 def _first(words: Sequence[str], vocabulary: Collection[str]) -> str:
@@ -265,11 +290,37 @@ def heading_unit(name: str) -> str | None:
     return unit if unit != "1" and unit_kind(unit) not in (None, "other", "time") else None
 
 
+def unknown_unit(name: str) -> str | None:
+    """What stands in a name where a unit would be, and is none that is known; None for words."""
+    match = _BRACKETED.fullmatch(name.strip())
+    text = next((text for text in match.groups() if text), "") if match else ""
+    words = {*words_of(text)}
+    known = {*_SIDES, *_WHOLE, *_SHORT} | _ANKLE | _EMG | _ANGLE | _TORQUE | _NO_UNITS
+    letters = any(c.isalpha() or c in "%°" for c in text)
+    return text if text and letters and len(text) <= _LONGEST and not words & known else None
+
+
 def unit_is_volts(unit: str | None) -> bool:
     """Whether a unit is one of voltage, as of a sensor that was not calibrated."""
     return unit is not None and spelled(unit) in ("V", "mV", "uV")
 
 
+#: A unit is no longer, and none of these words.
+_LONGEST = 12
+_NO_UNITS = {
+    "raw",
+    "filtered",
+    "rectified",
+    "rms",
+    "env",
+    "norm",
+    "anat",
+    "x",
+    "y",
+    "z",
+    "s",
+    "ch",
+}
 _Match = tuple[tuple[str, ...], Confidence, str]
 
 

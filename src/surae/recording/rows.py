@@ -154,6 +154,18 @@ class Rows:
 
         return why
 
+    def texts(self, name: str) -> list[str]:
+        """What stands in a column, row by row; empty where a row has no such cell."""
+        at = self.names.index(name)
+        found = []
+        for _, line in self._numbered():
+            try:
+                cells = split(line, self.delimiter)
+            except csv.Error:
+                cells = []
+            found.append(cells[at] if at < len(cells) else "")
+        return found
+
     def position(self, index: int) -> str:
         """The line number of a sample: ``"row 12"``."""
         number, _ = next(islice(self._numbered(), index, None))

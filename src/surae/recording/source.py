@@ -1,6 +1,7 @@
 """A file read into memory once: the bytes that are hashed are the bytes that are parsed."""
 
 import io
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -11,6 +12,12 @@ from surae.recording.recording import SourceFile
 
 _BOM = b"\xef\xbb\xbf"
 _BOMS_UTF16 = (b"\xff\xfe", b"\xfe\xff")
+
+#: Bytes between letters that Central European code pages have for letters, Western ones for signs.
+_EASTERN = {
+    "iso8859_2": re.compile(rb"[A-Za-z][\xb1\xb6\xbc][A-Za-z]"),
+    "cp1250": re.compile(rb"[A-Za-z][\xb9\xb3\xbf\x9c\x9f\xbe\x9d][A-Za-z]"),
+}
 
 #: A file's kind shows within so many bytes: OpenSim's header, a TOML's first key.
 HEAD = 65536
@@ -23,6 +30,8 @@ class Source:
     path: str
     data: bytes = field(repr=False)
     sha256: str
+    #: What a user should know of how its letters were read; empty where it is UTF-8.
+    decoded: str = ""
 
     @property
     def shown(self) -> str:
@@ -50,7 +59,7 @@ class Source:
         return self.data[:HEAD].removeprefix(_BOM).decode(errors="replace").splitlines()
 
     def in_utf8(self) -> "Source":
-        """The same text in UTF-8, where it is UTF-16 or of Windows' Western letters (cp1252)."""
+        """The same text in UTF-8, where it is UTF-16 or of Windows' or ISO's European letters."""
         encoding = ""
         if self.data.startswith(_BOMS_UTF16):
             encoding = "utf-16"
@@ -60,12 +69,18 @@ class Source:
             try:
                 self.data.decode()
             except UnicodeDecodeError:
-                encoding = "cp1252"
+                encoding = next(
+                    (name for name, between in _EASTERN.items() if between.search(self.data)),
+                    "cp1252",
+                )
         try:
             text = self.data.decode(encoding) if encoding else ""
         except UnicodeDecodeError:
             return self
-        return replace(self, data=text.encode(errors="replace")) if text else self
+        if not text:
+            return self
+        said = f"its letters are read as {encoding}" if encoding in _EASTERN else ""
+        return replace(self, data=text.encode(errors="replace"), decoded=said)
 
     def require_text(self) -> None:
         """Check that it is UTF-8 text with something in it."""

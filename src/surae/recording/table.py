@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from surae.base.errors import InputError
-from surae.base.units import FloatArray
+from surae.base.units import FACTORS, FloatArray, spelled
 
 IndexArray = npt.NDArray[np.intp]
 
@@ -49,6 +49,29 @@ def instants(start_s: float, rate_hz: float, n: int) -> FloatArray:
     return time
 
 
+#: More trials than these in a file are none; one has so many samples at least.
+MOST_TRIALS = 500
+FEWEST_SAMPLES = 8
+#: A time falls back where it goes back by more than so many steps.
+_BACK = 5.0
+
+
+def fallbacks(time: FloatArray) -> IndexArray:
+    """First samples of all trials but the first, where times fall back; empty where they do not.
+
+    They do where each piece between rises and lasts: rows out of order are no trials.
+    """
+    steps = np.diff(time)
+    rising = steps[steps > 0.0]
+    if not len(rising) or not np.isfinite(time).all():
+        return np.empty(0, dtype=np.intp)
+    backs = np.flatnonzero(steps < -_BACK * np.median(rising)) + 1
+    lengths = np.diff([0, *backs, len(time)])
+    whole = len(backs) < MOST_TRIALS and lengths.min() >= FEWEST_SAMPLES
+    others = np.delete(steps, backs - 1)
+    return backs if whole and (others >= 0.0).all() else np.empty(0, dtype=np.intp)
+
+
 def check_samples(
     time: FloatArray,
     values: FloatArray,
@@ -77,6 +100,14 @@ def check_samples(
     stuck = np.flatnonzero(time[1:] <= time[:-1])
     if stuck.size:
         index = int(stuck[0]) + 1
+        if n := len(fallbacks(time)):
+            raise InputError(
+                f"{where}: {names[0]}, {position(index)}: the time falls back "
+                f"{'once' if n == 1 else f'{n} times'} ({time[index]:.12g} s after "
+                f"{time[index - 1]:.12g} s): {n + 1} trials in one file, which are never joined; a "
+                'mapping reads each: trial = { column = "NAME" } where a column tells them '
+                'apart, else trial = { index = "*" }'
+            )
         raise InputError(
             f"{where}: {names[0]}, {position(index)}: time doesn't increase "
             f"({time[index]:.12g} s after {time[index - 1]:.12g} s); sort the rows, or where times "
@@ -207,6 +238,20 @@ class Column:
 
 
 @dataclass(frozen=True, slots=True)
+class Clock:
+    """A column of times."""
+
+    column: str  #: Its name.
+    unit: str  #: One of the units of time; empty where nothing says it.
+    rule: str  #: Why it is taken for the time.
+
+    @property
+    def in_seconds(self) -> float:
+        """What its numbers are multiplied by to be seconds."""
+        return FACTORS["time"][spelled(self.unit) or "s"]
+
+
+@dataclass(frozen=True, slots=True)
 class Table:
     """A data file of which the header has been read.
 
@@ -235,6 +280,14 @@ class Table:
     remarks: Mapping[str, str] = field(default_factory=dict)
     #: What the file says of a column beside its name, by which its role may show.
     descriptions: Mapping[str, str] = field(default_factory=dict)
+    #: The column that seems to be the time by its shape where none is by its name; nothing is read
+    #: by it before a mapping says so.
+    offered: Clock | None = None
+    #: ``retimed(column, unit)``: the same table with its times in that column, where the format
+    #: can say it better than by the column's numbers.
+    retimed: "Callable[[str, str], Table] | None" = None
+    #: ``cells(column)``: what a text holds in a column, sample by sample.
+    cells: Callable[[str], Sequence[str]] | None = None
 
 
 def some(names: Iterable[str], most: int = 8) -> str:

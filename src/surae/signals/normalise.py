@@ -68,7 +68,7 @@ def emg_reference(
     values: list[float | None] = []
     for column, muscle in enumerate(MUSCLES):
         peaks = [
-            (_largest(recording.emg[:, column], recording.rate_hz), recording.where)
+            (largest_envelope(recording.emg[:, column], recording.rate_hz), recording.where)
             for recording in inputs
             if muscle not in recording.missing_emg
         ]
@@ -128,7 +128,7 @@ def _require_volts(recording: ModelInputs) -> None:
     )
 
 
-def _largest(envelope: FloatArray, rate_hz: float) -> float:
+def largest_envelope(envelope: FloatArray, rate_hz: float) -> float:
     """The maximum of an envelope averaged over `AVERAGED_S`, only where the window is full."""
     width = min(max(round(AVERAGED_S * rate_hz), 1), len(envelope))
     total = np.cumsum(np.concatenate(([0.0], np.abs(envelope))))

@@ -14,9 +14,9 @@ from typing import Any
 from surae.base.errors import InputError
 from surae.base.files import PathLike, make_folder, natural_order, paths_of, read_bytes, shown
 from surae.model.knowledge_file import SESSION_TOML
-from surae.recording.formats import data_files, trial_names
+from surae.recording.formats import trial_names
 from surae.recording.mapping import TRIAL, Description
-from surae.recording.reading import is_mapping
+from surae.recording.reading import data_files_below, is_mapping
 from surae.recording.source import Source, open_source
 from surae.trials.sorting import Trial
 
@@ -202,7 +202,7 @@ def _in_folder(
             if path.name != SESSION_TOML and is_mapping(source := open_source(path)):
                 described.append(path)
                 named |= set(_named_files(source))
-    data = [p for p in data_files(folder) if p.resolve() not in {*named, *aside}]
+    data = [p for p in data_files_below(folder) if p.resolve() not in {*named, *aside}]
     # What was recorded as a stream and converted since is one trial.
     converted = {p.stem for p in data if p.suffix.lower() in (".h5", ".hdf5")}
     data = [p for p in data if p.suffix.lower() != ".xdf" or p.stem not in converted]

@@ -7,6 +7,7 @@ import numpy as np
 
 from surae.base.words import Message
 from surae.inference.diagnosis.angle import wrong_angle
+from surae.inference.diagnosis.clocks import clock_drift, clock_finding
 from surae.inference.diagnosis.explanations import (
     EXPLAINS,
     Explanation,
@@ -96,6 +97,11 @@ def examined(
     told = signals.torque is not None and not perturbing(signals.angle, signals.rate_hz)
     if not told or (fit := quick_fit(right, signals)) is None:
         return _together(quality, findings)
+    drift = clock_drift(right, signals, fit)
+    if drift is not None:  # all that follows from it is no finding
+        findings.append(clock_finding(drift, signals))
+        signals = drift.right(signals)
+        fit = drift.after
     wrong, with_signs = _signs(right, signals, fit)
     if wrong:
         if with_signs is not right:
@@ -106,7 +112,7 @@ def examined(
     electrodes = [f for f in quality.findings if f.code == "electrode-lag"]
     false = [lag for lag in electrodes if not _explains(lag, right, signals, fit)]
     false += [f for f in quality.findings if f.code == "emg-torque-lag"]
-    if not electrodes and fit.r2 >= _GOOD_ENOUGH:
+    if drift is None and not electrodes and fit.r2 >= _GOOD_ENOUGH:
         findings += _out_of_step(right, signals, fit)
     if fit.r2 >= EXPLAINS:  # and no other signs explain clearly more
         false += [f for f in quality.findings if f.code == "torque-sign"]

@@ -1,5 +1,6 @@
 """Units that cannot be what a recording says they are, put right."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +13,7 @@ from surae.quality.finding import make_finding
 from surae.quality.numeric import quantile, quantiles, span_of
 from surae.quality.registry import unfit
 from surae.quality.trial import signals_of
-from surae.recording import MUSCLE_NAMES, MUSCLES, Recording
+from surae.recording import MUSCLE_NAMES, MUSCLES, Channel, Recording
 from surae.recording.corrections import Corrections
 
 #: Torque of an ankle [Nm] and duration [s] and rate [Hz] of a trial: least and most.
@@ -34,6 +35,10 @@ _SKIN = 0.012
 _AMPLIFIER = 12.0
 #: Skin and amplifier alone make more [V].
 _NOISE = 1e-6
+#: Rest of an amplifier, over so long [s], is never less [V]; the least EMG of an effort [V].
+_AMPLIFIERS_REST = 1e-7
+_QUIET_S = 0.25
+_EFFORT = 5e-5
 
 #: A finding on a unit, and the recording with that unit put right.
 _Righted = tuple[Finding, Recording]
@@ -142,6 +147,45 @@ def _torque_unit(recording: Recording) -> _Righted | None:
     ), righted
 
 
+def _named_smaller(recording: Recording, tops: Mapping[str, float]) -> _Righted | None:
+    """EMG in V that is declared as mV or µV: its rest is less than any amplifier's noise.
+
+    Skin at rest, and the best amplifiers, have 0.3 µV and more; an effort is far above both.
+    """
+    channels = [recording.channels[role] for role in tops]
+    most = max((float(np.abs(c.values).max()) for c in channels), default=0.0)
+    rests = [rest for c in channels if (rest := _quietest(c)) > 0.0]
+    if recording.emg != "raw" or not rests or min(rests) >= _AMPLIFIERS_REST:
+        return None
+    times = next((f for f in (1e3, 1e6) if _EFFORT <= f * most <= _SKIN), None)
+    if times is None:
+        return None
+    named = "mV" if times < 1e6 else "µV"
+    finding = make_finding(
+        "emg-unit/smaller",
+        None,
+        span_of(channels[0].time),
+        most,
+        top=most,
+        times=times,
+        then=times * most,
+        named=named,
+    )
+    for role in tops:
+        recording = scaled(recording, role, times)
+    return finding, recording
+
+
+def _quietest(channel: Channel) -> float:
+    """Root mean square of the quietest quarter of a second [V], its mean taken out."""
+    size = max(round(_QUIET_S * channel.rate_hz), 2)
+    n = len(channel.values) // size
+    if n < 2:
+        return 0.0
+    pieces = channel.values[: n * size].reshape(n, size)
+    return float(pieces.std(axis=1).min())
+
+
 def _emg_unit(recording: Recording) -> _Righted | None:
     """EMG of one muscle, or of all, in mV or µV that is declared as volts."""
     tops = {}
@@ -154,6 +198,8 @@ def _emg_unit(recording: Recording) -> _Righted | None:
     top = tops.get(largest, 0.0)
     others = max((top for role, top in tops.items() if role != largest), default=0.0)
     one = len(tops) > 1 and top > _MUSCLES * others
+    if not one and (righted := _named_smaller(recording, tops)) is not None:
+        return righted
     lies = max((float(np.abs(recording.channels[role].values).max()) for role in tops), default=0.0)
     if not one and ((lies >= _NOISE and top <= _SKIN) or top == 0.0):
         return None

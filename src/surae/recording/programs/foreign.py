@@ -43,6 +43,13 @@ class Parsed:
     description: str = ""  #: What the file says of it beside its name.
 
 
+def cut_short(announced: float, present: int) -> str:
+    """What to say where a file announces more samples than it holds; empty where it does not."""
+    if not announced > present:
+        return ""
+    return f"the header states {announced:g} samples, the file holds {present}: it was cut short"
+
+
 def packed(columns: Sequence[Parsed]) -> dict[str, Any]:
     """Columns as plain data, arrays of times that several share once."""
     times = {id(c.time): c.time for c in columns if isinstance(c.time, np.ndarray)}

@@ -3,19 +3,21 @@
 import io
 import re
 from codecs import BOM_UTF8
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 
-from surae.recording.delimited import is_time
-from surae.recording.programs.foreign import Parsed, foreign_table, optional, packed
+from surae.recording.programs.foreign import Parsed, cut_short, foreign_table, optional, packed
 from surae.recording.source import Source
 from surae.recording.table import Table
+from surae.recording.times import is_time
 from surae.recording.untrusted import untrusted
 
 _TEXT = b"LabVIEW Measurement"
 _BINARY = b"TDSm"
+#: Instants before 1980 [s] are those of a clock that was never set.
+_NO_CLOCK = 315_532_800.0
 
 
 def recognises(source: Source) -> bool:
@@ -39,6 +41,7 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
 def _segments(lvm_read: Any, data: bytes) -> Iterator[Parsed]:
     """Columns of a text file, with a column of times (X_Value) for none, all or each of them."""
     whole = lvm_read.read_str(_as_it_reads(data.removeprefix(BOM_UTF8).decode(errors="replace")))
+    starts = _segment_starts(whole)
     several = whole.get("X_Columns", "One") == "Multi"  # what a header says may skip their columns
     for number in range(whole["Segments"]):
         segment = whole[number]
@@ -56,18 +59,31 @@ def _segments(lvm_read: Any, data: bytes) -> Iterator[Parsed]:
                 channel += 1
                 count = int(_nth(said.get("Samples"), channel, len(block)))
                 step, start = (_nth(said.get(k), channel, 0.0) for k in ("Delta_X", "X0"))
-                own: Any = (start, 1.0 / step if step > 0 else 0.0)
+                later = starts.get((number, channel), 0.0)
+                own: Any = (start + later, 1.0 / step if step > 0 else 0.0)
                 if whole.get("X_Columns", "One") != "No" and time is not None:
-                    own = time[:count]
+                    own = time[:count] + later
                 unit = _nth(said.get("Y_Unit_Label"), channel, "")
                 label = before * (whole["Segments"] > 1) + name
                 remark = ""
                 if count > len(block):
-                    remark = (
-                        f"the header states {count} samples, the file holds {len(block)}: "
-                        "it was cut short"
-                    )
+                    remark = cut_short(count, len(block))
                 yield Parsed(label, block[:count, index], own, unit, remark)
+
+
+def _segment_starts(whole: Any) -> dict[tuple[int, int], float]:
+    """When each channel of each segment began [s], from the first of all; by both numbers."""
+    keys = []
+    given = []
+    for number in range(whole["Segments"]):
+        dates, times = (whole[number].get(key) for key in ("Date", "Time"))
+        if not isinstance(dates, list) or not isinstance(times, list):
+            continue
+        for channel, (date, time) in enumerate(zip(dates, times, strict=False)):
+            keys.append((number, channel))
+            day = str(date).strip().replace("/", "-").replace(".", "-")
+            given.append(f"{day}T{str(time).strip().replace(',', '.')[:15]}")
+    return dict(zip(keys, _starts(given), strict=True))
 
 
 def _as_it_reads(text: str) -> str:
@@ -91,8 +107,17 @@ def _nth(values: Any, index: int, default: Any) -> Any:
 
 
 def _groups(nptdms: Any, data: bytes) -> Iterator[Parsed]:
-    """Channels of a binary file: waveforms, or columns beside one of times."""
-    groups = nptdms.TdmsFile.read(io.BytesIO(data)).groups()
+    """Channels of a binary file: waveforms, or columns beside one of times.
+
+    Each waveform begins at its own instant; the earliest is 0 s.
+    """
+    file = nptdms.TdmsFile.read(io.BytesIO(data))
+    groups = file.groups()
+    status = file.file_status
+    cut = status.channel_statuses if status.incomplete_final_segment else None
+    every = [channel for group in groups for channel in group.channels()]
+    began = _starts([channel.properties.get("wf_start_time") for channel in every])
+    start_of = {channel.path: start for channel, start in zip(every, began, strict=True)}
     for group in groups:
         before = f"{group.name}: " if len(groups) > 1 else ""
         channels = [c for c in group.channels() if c.dtype is not None and c.dtype.kind in "fiu"]
@@ -103,8 +128,29 @@ def _groups(nptdms: Any, data: bytes) -> Iterator[Parsed]:
             values = np.asarray(channel[:], dtype=np.float64)
             said = channel.properties
             step = float(said.get("wf_increment", 0.0))
-            own: Any = (float(said.get("wf_start_offset", 0.0)), 1.0 / step if step > 0 else 0.0)
+            start = float(said.get("wf_start_offset", 0.0)) + start_of[channel.path]
+            own: Any = (start, 1.0 / step if step > 0 else 0.0)
             if not own[1]:
                 own = next((time for time in times.values() if len(time) == len(values)), own)
             unit = said.get("unit_string") or said.get("NI_UnitDescription") or ""
-            yield Parsed(before + channel.name, values, own, str(unit))
+            remark = "the file was cut short" if cut is not None else ""
+            if cut is not None and channel.path in cut:
+                expected = cut[channel.path].expected_length
+                remark = cut_short(expected, len(values)) or remark
+            yield Parsed(before + channel.name, values, own, str(unit), remark)
+
+
+def _starts(given: Sequence[Any]) -> list[float]:
+    """Instants [s] from the earliest of them; 0 where none is stated."""
+    seconds = [np.nan if each is None else _instant(each) for each in given]
+    first = np.nanmin(seconds) if np.isfinite(seconds).any() else 0.0
+    return [float(each - first) if np.isfinite(each) else 0.0 for each in seconds]
+
+
+def _instant(stated: Any) -> float:
+    """A date and time in seconds from 1970; NaN for one that no clock has shown."""
+    try:
+        moment = np.datetime64(stated, "us").astype("int64") * 1e-6
+    except (ValueError, TypeError):
+        return float("nan")
+    return float(moment) if moment > _NO_CLOCK else float("nan")

@@ -44,6 +44,7 @@ _TIMES = dict.fromkeys(("time", "times", "t"), 1.0) | {
 #: Names of a sampling rate [Hz], in small letters without ``_``.
 _RATES = ("fs", "rate", "ratehz", "samplingrate", "samplerate", "samplingfrequency")
 _UNITS = ("units", "unit")
+_TITLES = ("title", "comment")
 _LONGEST_UNIT = 100
 #: Structures within structures.
 _DEEPEST = 4
@@ -186,7 +187,11 @@ def _group(group: Any, remaining: list[int], depth: int, seen: set[int]) -> dict
     """Variables of a file or structure, each once, not those that are links to somewhere else."""
     import h5py
 
-    variables: dict[str, Any] = {}
+    variables: dict[str, Any] = {
+        key: said
+        for key in list(group.attrs)[:_MOST_ATTRIBUTES]
+        if _is_rate(key) and (said := _attribute(group.attrs[key])) is not None
+    }
     for name in group:
         remaining[0] -= 1
         if remaining[0] < 0:
@@ -201,9 +206,13 @@ def _group(group: Any, remaining: list[int], depth: int, seen: set[int]) -> dict
             variables[name] = _dataset(item)
             for key in list(item.attrs)[:_MOST_ATTRIBUTES]:
                 if (said := _attribute(item.attrs[key])) is not None:
-                    rate = key.casefold().replace("_", "") in _RATES
-                    variables.setdefault(key if rate else f"{name}_{key}", said)
+                    variables.setdefault(key if _is_rate(key) else f"{name}_{key}", said)
     return variables
+
+
+def _is_rate(name: str) -> bool:
+    """Whether a variable or an attribute is a sampling rate, by its name."""
+    return name.casefold().replace("_", "").replace(" ", "") in _RATES
 
 
 def _attribute(value: Any) -> Any:
@@ -236,8 +245,10 @@ def _dataset(dataset: Any) -> Any:
     return array
 
 
-def _signals(variables: Mapping[str, Any], prefix: str, shown: str, depth: int) -> Iterator[Parsed]:
-    """The signals among some variables."""
+def _signals(
+    variables: Mapping[str, Any], prefix: str, shown: str, depth: int, above: float | None = None
+) -> Iterator[Parsed]:
+    """The signals among some variables; a rate `above` holds where these have none."""
     if (columns := known(variables, prefix, shown)) is not None:
         yield from columns
         return
@@ -247,7 +258,7 @@ def _signals(variables: Mapping[str, Any], prefix: str, shown: str, depth: int) 
         if name.casefold() in _TIMES and len(shape := _shape(value)) == 1 and shape[0] > 1
     }
     seconds = {name: time * _TIMES[name.casefold()] for name, time in times.items()}
-    rate = None if times else _rate(variables, f"{shown}: {prefix}")
+    rate = None if times else _rate(variables, f"{shown}: {prefix}") or above
     for name, value in variables.items():
         full = prefix + name
         if isinstance(value, _Object):
@@ -262,11 +273,11 @@ def _signals(variables: Mapping[str, Any], prefix: str, shown: str, depth: int) 
             if "values" in value and "interval" in value:
                 yield _spike2(full, value)
             elif depth < _DEEPEST:
-                yield from _signals(value, f"{full}.", shown, depth + 1)
+                yield from _signals(value, f"{full}.", shown, depth + 1, rate)
         elif isinstance(value, list):
             each = [element for element in value if isinstance(element, Mapping)]
             for index, element in enumerate(each if depth < _DEEPEST else [], start=1):
-                yield from _signals({f"({index})": element}, full, shown, depth + 1)
+                yield from _signals({f"({index})": element}, full, shown, depth + 1, rate)
         elif name not in times and _shape(value):
             array = value.squeeze()  # a vector, or a matrix whose rows or columns are channels
             vectors = [(full, array, "")] if array.ndim == 1 and len(array) > 1 else []
@@ -312,7 +323,8 @@ def _spike2(name: str, channel: Mapping[str, Any]) -> Parsed:
         remark = f"counts, scale {scale:g} and offset {offset:g} applied"
     unit = next((text for key in _UNITS if (text := _text(channel.get(key)))), "")
     time = start + interval * np.arange(len(signal), dtype=np.float64)
-    return Parsed(name, signal, time, unit=unit, remark=remark)
+    said = (text for key in _TITLES if (text := _text(channel.get(key))))
+    return Parsed(name, signal, time, unit=unit, remark=remark, description=next(said, ""))
 
 
 def _rate(variables: Mapping[str, Any], where: str) -> float | None:

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from surae.base.units import FloatArray
-from surae.recording.delimited import time_column
 from surae.recording.programs.foreign import Parsed, foreign_table, optional, packed
 from surae.recording.source import Source
 from surae.recording.table import Table
+from surae.recording.times import time_column
 from surae.recording.untrusted import untrusted
 
 _PARQUET = b"PAR1"
@@ -51,10 +51,11 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
             for name, kind in kinds.items()
             if is_.is_integer(kind) or is_.is_floating(kind) or is_.is_decimal(kind)
         ]
-        name, factor = time_column(numbers, shown)
+        clock = time_column(numbers, shown)
+        name = "" if clock is None else clock.column
         time: Any = (0.0, 0.0)
-        if name:
-            time = _floats(table, name) * factor
+        if clock is not None:
+            time = _floats(table, name) * clock.in_seconds
         for other, kind in kinds.items():
             if not name and (is_.is_timestamp(kind) or is_.is_duration(kind)):
                 name = other

@@ -26,7 +26,7 @@ _LABEL = re.compile(
 
 
 @dataclass(frozen=True, slots=True)
-class _Signal:
+class Signal:
     """One signal: its column, behind that of its times."""
 
     name: str
@@ -73,16 +73,14 @@ def open_table(source: Source) -> Table:
     }
 
     def load(wanted: Sequence[str]) -> Mapping[str, Column]:
-        return _columns(source, header, [by_name[name] for name in wanted])
+        return columns_of(source, header, [by_name[name] for name in wanted])
 
     names = tuple(signal.name for signal in signals)
     units = {signal.name: signal.unit for signal in signals if signal.unit}
     return Table(source.shown, "Trigno", names, cells[0], load, units, remarks=remarks)
 
 
-def _signals(
-    cells: Sequence[str], labels: Mapping[str, re.Match[str]], where: str
-) -> list[_Signal]:
+def _signals(cells: Sequence[str], labels: Mapping[str, re.Match[str]], where: str) -> list[Signal]:
     """The signals that a row of names lists."""
     while cells and not cells[-1]:
         cells = cells[:-1]
@@ -99,16 +97,16 @@ def _signals(
         if label is not None and label["domain"].strip() != "s":
             raise InputError(f"{where}: {name!r} is a function of {label['domain']!r}, not of time")
         unit, points = (label["unit"].strip(), int(label["points"])) if label else ("", None)
-        signals.append(_Signal(name, column, unit, points))
+        signals.append(Signal(name, column, unit, points))
     if not signals or len(cells) % 2:
         raise InputError(f"{where}: expected pairs of columns, X[s] and a signal")
     return signals
 
 
-def _columns(source: Source, header: int, wanted: Sequence[_Signal]) -> dict[str, Column]:
+def columns_of(source: Source, header: int, wanted: Sequence[Signal]) -> dict[str, Column]:
     """Times and samples of the wanted signals."""
     pairs = {signal: (array("d"), array("d")) for signal in wanted}
-    spans: dict[_Signal, tuple[int, int]] = {}  # first and last row
+    spans: dict[Signal, tuple[int, int]] = {}  # first and last row
     for row, cells in _rows(source, header):
         for signal, pair in pairs.items():
             own = cells[signal.column - 1 : signal.column + 1]

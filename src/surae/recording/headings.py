@@ -1,0 +1,242 @@
+"""The names of a text table's columns: which rows hold them, and what stands above the numbers."""
+
+import csv
+import itertools
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from surae.base.errors import InputError
+from surae.base.formatting import check_known
+from surae.base.units import spelled
+from surae.recording.recording import EMG_KINDS
+from surae.recording.rows import is_clock, split
+from surae.recording.source import Source
+from surae.recording.times import is_time
+
+#: Separators, by preference where several could be it.
+DELIMITERS = ("\t", ";", ",")
+_NOTE = re.compile(r"#\s*(name|emg)\s*[:=]\s*(.*?)\s*")
+#: What Excel writes first, or is told the separator by.
+_SEPARATOR = re.compile(r"sep=.", re.IGNORECASE)
+#: Lines before the names of the columns that a program may write about the recording.
+_LONGEST_PREFACE = 100
+#: Rows of numbers that show where the numbers begin; rows of names above them at most.
+_SHOW = 3
+_MOST_ROWS = 4
+#: A sampling rate in a line above the names.
+_RATE = re.compile(
+    r"(?:(?P<word>sampl\w*|abtast\w*|bemonster\w*)|\brate|frequen\w*|fr[eé]quen\w*|frecuencia|freq"
+    r"|cz[eę]stotliwo\w*)[^\d\n]{0,40}?(?P<rate>\d+(?:[.,]\d+)?)\s*(?P<unit>k?hz|)\b",
+    re.IGNORECASE,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Heading:
+    """The names of the columns: last row before the numbers, and what stood before it."""
+
+    row: int
+    names: tuple[str, ...]
+    delimiter: str | None  #: None for white space of any length.
+    notes: Mapping[str, str]
+    units: Mapping[str, str] = field(default_factory=dict)
+    remark: str = ""  #: What a user should know of how the names were read.
+    rate_hz: float = 0.0  #: What a line above the names says; 0 where none does.
+
+
+def heading_of(source: Source) -> Heading:
+    """The heading of a text.
+
+    It is the first line that is no comment, behind a preface the one with the time, or the one
+    above the numbers. Text without any is refused.
+    """
+    notes: dict[str, str] = {}
+    first: Heading | None = None
+    for number, raw in enumerate(source.lines(), start=1):
+        line = raw.strip(" \n")
+        if line.lstrip().startswith("#"):
+            if note := _NOTE.fullmatch(line.strip()):
+                notes[note[1]] = _note(note[1], note[2], f"{source.shown}: row {number}")
+            continue
+        if not line.strip() or _SEPARATOR.fullmatch(line.strip()):
+            continue
+        delimiter = _delimiter(line, next(itertools.islice(source.lines(), number, None), ""))
+        try:
+            names = tuple(split(line, delimiter))
+        except csv.Error as error:
+            if first is not None:
+                continue
+            raise InputError(f"{source.shown}: row {number}: {error}") from None
+        header = Heading(number, names, delimiter, notes)
+        preface = any(numeric(name) or is_clock(name) for name in names)  # Time, 09:51:39
+        if len(names) > 1 and any(map(is_time, names)) and not preface:
+            return _whole(source, header)
+        first = first or header
+        if number > first.row + _LONGEST_PREFACE or all(numeric(name) for name in names):
+            break
+    if first is None:
+        above = _above_numbers(source, notes)
+        if above is None:
+            raise InputError(f"{source.shown}: no header: every line is a comment")
+        return above
+    below = next(itertools.islice(source.lines(), first.row, None), "")
+    plain = len(first.names) > 1 and not all(map(numeric, first.names))
+    if plain and len(_cells(below, first.delimiter)) == len(first.names):
+        return _whole(source, first)
+    return _above_numbers(source, notes) or first
+
+
+def numeric(cell: str) -> bool:
+    """Whether a cell holds a number."""
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+def _delimiter(line: str, below: str) -> str | None:
+    """What separates cells: what the row below has as often, else what is there most often."""
+    alike = (d for d in DELIMITERS if d in line and line.count(d) == below.count(d))
+    delimiter: str = next(alike, max(reversed(DELIMITERS), key=line.count))
+    words = below.split()
+    if delimiter not in line and len(line.split()) == len(words) > 1 and numeric(words[-1]):
+        return None  # white space of any length
+    return delimiter
+
+
+def _cells(line: str, delimiter: str | None) -> list[str]:
+    try:
+        return split(line, delimiter)
+    except csv.Error:
+        return []
+
+
+def _is_numbers(cells: Sequence[str], delimiter: str | None) -> bool:
+    """Whether cells are a row of numbers, of which some may be blank or a clock's."""
+    if len(cells) < 2:
+        return False
+    pointed = cells if delimiter == "," else [cell.replace(",", ".") for cell in cells]
+    numbers = [numeric(cell) for cell in pointed]
+    others = (c for c, is_number in zip(cells, numbers, strict=True) if not is_number)
+    return any(numbers) and all(not c or is_clock(c) for c in others)
+
+
+def _above_numbers(source: Source, notes: Mapping[str, str]) -> Heading | None:
+    """The heading right above the first rows of numbers, which a comment may hold; or None."""
+    lines = [line.rstrip("\n") for line in itertools.islice(source.lines(), _LONGEST_PREFACE * 4)]
+    for delimiter in (*DELIMITERS, None):
+        rows = [_cells(line, delimiter) for line in lines]
+        for at in range(len(rows) - _SHOW + 1):
+            block = rows[at : at + _SHOW]
+            if len({len(row) for row in block}) > 1 or lines[at].lstrip().startswith("#"):
+                continue
+            if all(_is_numbers(row, delimiter) for row in block):
+                found = _names_above(lines, at, len(block[0]), delimiter, notes)
+                return None if found is None else _whole(source, found)
+    return None
+
+
+def _names_above(
+    lines: Sequence[str], at: int, count: int, delimiter: str | None, notes: Mapping[str, str]
+) -> Heading | None:
+    """The row of names above the numbers in line `at`, counted from 0."""
+    for row in range(at - 1, max(at - 1 - _MOST_ROWS, -1), -1):
+        line = lines[row].strip()
+        bare = line.lstrip("#% ") if line.startswith(("#", "%")) else lines[row]
+        if not bare.strip():
+            continue
+        for cut in (delimiter, *((r"\s{2,}",) if delimiter is None else ())):
+            cells = re.split(cut, bare.strip()) if cut == r"\s{2,}" else _cells(bare, cut)
+            if len(cells) == count and not any(map(numeric, cells)):
+                known = [spelled(cell.strip("[]() ")) is not None for cell in cells if cell]
+                if sum(known) > len(known) / 2 and row > 0:  # of units: names are above
+                    above = _names_above(lines, row, count, delimiter, notes)
+                    if above is not None:
+                        own = {n: c for n, c in zip(above.names, cells, strict=True) if c}
+                        return replace(above, row=at, units=own)
+                return Heading(at, tuple(cells), delimiter, notes)
+        return None
+    return None
+
+
+def _whole(source: Source, header: Heading) -> Heading:
+    """The heading with further rows of names and of units below it, and a rate above it."""
+    header = _with_rate(source, header)
+    if header.units:
+        return header
+    for _ in range(_MOST_ROWS):
+        lines = list(itertools.islice(source.lines(), header.row, header.row + 1))
+        cells = _cells(lines[0] if lines else "", header.delimiter)
+        same = len(cells) == len(header.names)
+        pointed = cells if header.delimiter == "," else [c.replace(",", ".") for c in cells]
+        if not same or any(map(numeric, pointed)) or any(map(is_clock, cells)) or not any(cells):
+            break
+        bare = [cell.strip("[]() ") for cell in cells]
+        if any(spelled(cell) is not None for cell in bare):
+            units = dict(zip(header.names, bare, strict=True))
+            header = replace(header, row=header.row + 1, units=units)
+            break
+        if not _is_names(source, header.row + 1, header.delimiter):
+            break
+        header = replace(
+            header,
+            row=header.row + 1,
+            names=_joined(header.names, cells),
+            remark="two rows of names, read as one",
+        )
+    return _above_blank(source, header)
+
+
+def _is_names(source: Source, row: int, delimiter: str | None) -> bool:
+    """Whether below row `row`, after at most two more of text, numbers follow."""
+    for line in itertools.islice(source.lines(), row, row + 3):
+        if _is_numbers(_cells(line, delimiter), delimiter):
+            return True
+    return False
+
+
+def _joined(above: Sequence[str], below: Sequence[str]) -> tuple[str, ...]:
+    """Names of two rows as one; a row with its first cell alone names the first column."""
+    if below[0] and not any(below[1:]):
+        return (below[0], *above[1:])
+    return tuple(
+        " ".join(dict.fromkeys(filter(None, pair))) for pair in zip(above, below, strict=True)
+    )
+
+
+def _above_blank(source: Source, header: Heading) -> Heading:
+    """Where a row names its first column alone, the rows above name the others."""
+    if len(header.names) < 2 or any(header.names[1:]):
+        return header
+    lines = list(itertools.islice(source.lines(), header.row - 1))
+    names = header.names
+    for line in reversed(lines[-_MOST_ROWS + 1 :]):
+        cells = _cells(line, header.delimiter)
+        if len(cells) != len(names) or any(map(numeric, cells)):
+            break
+        names = (names[0], *_joined(cells[1:], names[1:]))
+    return replace(header, names=names, remark="several rows of names, read as one")
+
+
+def _with_rate(source: Source, header: Heading) -> Heading:
+    """The heading with the sampling rate that a line above it states."""
+    for line in itertools.islice(source.lines(), header.row - 1):
+        match = _RATE.search(line)
+        if match and (match["word"] or match["unit"]):
+            factor = 1e3 if match["unit"].lower() == "khz" else 1.0
+            rate = float(match["rate"].replace(",", ".")) * factor
+            if 0.0 < rate < 1e7:
+                return replace(header, rate_hz=rate)
+    return header
+
+
+def _note(key: str, text: str, where: str) -> str:
+    """The value that a comment sets."""
+    text = text.strip("\"'")
+    if key == "name":
+        return text
+    word = text.split()[0].casefold() if text.split() else ""
+    check_known(f"{where}: emg", EMG_KINDS, word)
+    return word

@@ -1,0 +1,349 @@
+"""Several trials in one file: told apart by a column, by groups of columns, or by times.
+
+Trials are never joined: what a file holds of several is named, and a mapping says which is read, or
+reads each as a recording of its own.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from surae.base.errors import InputError
+from surae.base.frozen import freeze
+from surae.recording.described import EACH, MappedTrial, toml_value
+from surae.recording.roles import WORDS, guess_role, words_of
+from surae.recording.table import (
+    FEWEST_SAMPLES,
+    MOST_TRIALS,
+    Column,
+    IndexArray,
+    Table,
+    fallbacks,
+    regular,
+    some,
+)
+
+_WORDS = set(WORDS["trial"])
+_BESIDE = {"id", "no", "nr", "number", "index", "num", "name", "nummer", "numero", "label", "i"}
+#: More trials than these in a file are none; one has so many samples at least.
+_MOST = MOST_TRIALS
+_FEWEST = FEWEST_SAMPLES
+#: What may stand between a group's name and a column's.
+_BETWEEN = (": ", "/", ".")
+
+
+class SeveralTrialsError(InputError):
+    """A file holds several trials, of which none was chosen."""
+
+
+@dataclass(frozen=True, slots=True)
+class TrialsInFile:
+    """The trials in one file."""
+
+    how: Literal["column", "group", "index"]  #: What tells them apart.
+    names: tuple[str, ...]  #: What they are called: the column's values, the groups, their numbers.
+    column: str = ""  #: That column.
+    falls: int = 0  #: How often the time falls back.
+    sheets: bool = False  #: Whether the groups are sheets of a workbook.
+
+    @property
+    def text(self) -> str:
+        """How many they are, and by what they are told apart."""
+        few = ", ".join(self.names[:8]) + ", …" * (len(self.names) > 8)
+        back = f"; the time falls back {_times(self.falls)}" if self.falls else ""
+        by = {
+            "column": f"told apart by column {self.column!r} ({few}){back}",
+            "group": f"{'a sheet' if self.sheets else 'a group'} each ({few})",
+            "index": f"one below the other: the time falls back {_times(self.falls)}",
+        }[self.how]
+        return f"{len(self.names)} trials in one file, {by}"
+
+    @property
+    def line(self) -> str:
+        """What a mapping says to read each of them."""
+        return {
+            "column": f"{{ column = {toml_value(self.column)} }}",
+            "group": f"{{ {'sheet' if self.sheets else 'group'} = {toml_value(EACH)} }}",
+            "index": f"{{ index = {toml_value(EACH)} }}",
+        }[self.how]
+
+    @property
+    def choices(self) -> tuple[MappedTrial, ...]:
+        """What a mapping says of each."""
+        count = range(1, len(self.names) + 1)
+        if self.how == "column":
+            return tuple(MappedTrial(column=self.column, index=k) for k in count)
+        if self.how == "group":
+            return tuple(MappedTrial(group=name) for name in self.names)
+        return tuple(MappedTrial(index=k) for k in count)
+
+
+def _times(n: int) -> str:
+    return "once" if n == 1 else f"{n} times"
+
+
+def trials_in(
+    table: Table, columns: Mapping[str, Column | InputError] | None = None
+) -> TrialsInFile | None:
+    """The trials that a file holds; None where it is one.
+
+    `columns` are its columns where they have been loaded.
+    """
+    if groups := _groups(table.names):
+        return TrialsInFile("group", tuple(groups), sheets=table.format == "Excel")
+    by_name = [name for name in table.names if _is_trial(name)]
+    for name in by_name:
+        runs = _runs_of(table, name)
+        if runs is not None and len(runs) > 1:
+            return TrialsInFile("column", tuple(runs), name, _falls_of(table, name))
+    loaded = [c for c in (columns or {}).values() if isinstance(c, Column) and c.time_name]
+    if not loaded:
+        return None
+    backs = fallbacks(loaded[0].time)
+    if not len(backs):
+        return None
+    for column in loaded:  # a column that changes where the time falls back
+        if len(column.values) != len(loaded[0].time) or not _constant(column, backs):
+            continue
+        found = _labels(table, column.name)
+        if found is not None and np.array_equal(found[1], [0, *backs]):
+            return TrialsInFile("column", tuple(found[0]), column.name, len(backs))
+    names = tuple(str(k) for k in range(1, len(backs) + 2))
+    return TrialsInFile("index", names, falls=len(backs))
+
+
+def _constant(column: Column, backs: IndexArray) -> bool:
+    """Whether a column is one number in each trial, or holds words."""
+    pieces = np.split(column.values, backs)
+    return all(np.ptp(each) == 0.0 or np.isnan(each).all() for each in pieces)
+
+
+def _is_trial(name: str) -> bool:
+    """Whether a column's name says that it counts trials."""
+    words = {*words_of(name)} - _BESIDE
+    return bool(words) and words <= _WORDS | {"s"}
+
+
+def _texts(table: Table, name: str) -> Sequence[str]:
+    if table.cells is not None:
+        return table.cells(name)
+    try:
+        return [f"{value:g}" for value in table.load([name])[name].values]
+    except InputError:
+        return []
+
+
+def _labels(table: Table, name: str) -> tuple[list[str], IndexArray] | None:
+    """What a column says of every run of equal cells, and the first sample of each."""
+    cells = np.array(_texts(table, name))
+    if len(cells) < 2 * _FEWEST:
+        return None
+    first = np.flatnonzero(np.concatenate(([True], cells[1:] != cells[:-1])))
+    if len(first) > _MOST or np.diff([*first, len(cells)]).min() < _FEWEST:
+        return None
+    labels: list[str] = []
+    for text in cells[first].tolist():
+        again = sum(label == text or label.startswith(f"{text} (") for label in labels)
+        labels.append(f"{text or 'unnamed'} ({again + 1})" if again else text or "unnamed")
+    return labels, first
+
+
+def _runs_of(table: Table, name: str) -> list[str] | None:
+    found = _labels(table, name)
+    return None if found is None else found[0]
+
+
+def _falls_of(table: Table, name: str) -> int:
+    if not table.time_name:
+        return 0
+    try:
+        return len(fallbacks(table.load([name])[name].time))
+    except InputError:
+        return 0
+
+
+def _groups(names: Sequence[str]) -> list[str]:
+    """Groups of columns that hold the same: an angle, and a torque or an EMG, each; else none."""
+    for between in _BETWEEN:
+        groups: dict[str, list[str]] = {}
+        for name in names:
+            group, _, own = name.rpartition(between)
+            if group:
+                groups.setdefault(group, []).append(own)
+        alike: dict[tuple[str, ...], list[str]] = {}
+        for group, members in groups.items():
+            alike.setdefault(tuple(sorted(members)), []).append(group)
+        for held, several in alike.items():
+            if len(several) > 1 and _is_recording(held):
+                return several
+    return []
+
+
+def _is_recording(names: Sequence[str]) -> bool:
+    """Whether columns hold an angle, and a torque or an EMG."""
+    roles = {guess.role for name in names if (guess := guess_role(name)) is not None}
+    return "angle" in roles and any(r == "torque" or str(r).startswith("emg_") for r in roles)
+
+
+def chosen_trials(table: Table, chosen: MappedTrial, where: str) -> TrialsInFile:
+    """The trials that a mapping tells apart; refused where it tells none apart."""
+    if chosen.inside is not None:
+        if not (groups := _groups(table.names)):
+            raise InputError(
+                f"{where}: trial: {table.file} has no groups that each hold a recording; its "
+                f"columns are: {some(table.names)}"
+            )
+        return TrialsInFile("group", tuple(groups))
+    if chosen.column is not None:
+        labels, _ = _by_column(table, chosen.column, where)
+        return TrialsInFile("column", tuple(labels), chosen.column)
+    labels, _ = _by_time(table, where)
+    return TrialsInFile("index", tuple(labels))
+
+
+def _by_column(table: Table, column: str, where: str) -> tuple[list[str], IndexArray]:
+    if column not in table.names:
+        raise InputError(
+            f"{where}: trial: {table.file} has no column {some([column])}; it has: "
+            f"{some(table.names)}"
+        )
+    found = _labels(table, column)
+    if found is None:
+        raise InputError(
+            f"{where}: trial: column {column!r} of {table.file} does not tell trials apart: each "
+            f"must be {_FEWEST} samples or more with one text or number"
+        )
+    return found
+
+
+def one_trial(table: Table, chosen: MappedTrial, where: str) -> Table:
+    """The columns of one trial.
+
+    Raises
+    ------
+    InputError
+        There is no such trial.
+    SeveralTrialsError
+        There are several, and none is chosen.
+    """
+    if chosen.inside is not None:
+        if chosen.several:
+            raise _several(table, _groups(table.names), where)
+        return _of_group(table, chosen.inside, where)
+    if chosen.column is not None:
+        labels, first = _by_column(table, chosen.column, where)
+        if chosen.index is None and chosen.value is None and len(labels) == 1:
+            return table
+    else:
+        labels, first = _by_time(table, where)
+    number = _number(chosen, labels, table, where)
+    end = int(first[number + 1]) if number + 1 < len(first) else None
+    names = tuple(name for name in table.names if name != chosen.column)
+    return replace(_rows(table, int(first[number]), end), names=names)
+
+
+def _by_time(table: Table, where: str) -> tuple[list[str], IndexArray]:
+    """Trials that follow each other, by times that fall back."""
+    for name in table.names:
+        try:
+            backs = fallbacks(table.load([name])[name].time)
+        except InputError:
+            continue
+        return [str(k) for k in range(1, len(backs) + 2)], np.array([0, *backs], dtype=np.intp)
+    raise InputError(f"{where}: trial: {table.file} has no column that can be read")
+
+
+def _number(chosen: MappedTrial, labels: Sequence[str], table: Table, where: str) -> int:
+    """The place of the trial that is chosen, from 0."""
+    few = some(labels)
+    if chosen.several:
+        raise _several(table, labels, where)
+    if isinstance(chosen.index, int):
+        if chosen.index > len(labels):
+            raise InputError(
+                f"{where}: trial: index is {chosen.index}, but {table.file} holds {len(labels)} "
+                f"trials: {few}"
+            )
+        return chosen.index - 1
+    wanted = chosen.value if isinstance(chosen.value, str) else f"{chosen.value:g}"
+    for place, label in enumerate(labels):
+        if label == wanted or _same_number(label, wanted):
+            return place
+    raise InputError(f"{where}: trial: no trial {wanted!r} is in {table.file}; it holds: {few}")
+
+
+def _several(table: Table, names: Sequence[str], where: str) -> SeveralTrialsError:
+    """That no trial was chosen of several."""
+    return SeveralTrialsError(
+        f"{where}: {len(names)} trials are in {table.file} ({some(names)}), each a recording of "
+        "its own: surae fit, check and session take all of them; to read one, choose it in the "
+        "mapping's trial, with value or index, or the name of its group"
+    )
+
+
+def _same_number(label: str, wanted: str) -> bool:
+    try:
+        return float(label) == float(wanted)
+    except ValueError:
+        return False
+
+
+def _rows(table: Table, first: int, end: int | None) -> Table:
+    """The samples from one to another of every column that is as long as its times."""
+
+    def load(wanted: Sequence[str]) -> Mapping[str, Column]:
+        made = {}
+        for name, column in table.load(wanted).items():
+            time, remark = regular(column.time[first:end]) if column.time_name else (None, "")
+            made[name] = replace(
+                column,
+                time=freeze(np.array(column.time[: len(column.time[first:end])]))
+                if time is None
+                else freeze(np.array(time)),
+                values=freeze(column.values[first:end]),
+                position=lambda k, own=column: own.position(k + first),  # type: ignore[misc]
+                reason=_later(column, first),
+                remark="; ".join(dict.fromkeys(filter(None, (column.remark, remark)))),
+            )
+        return made
+
+    return replace(table, load=load, retimed=None, cells=None)
+
+
+def _later(column: Column, first: int) -> Callable[[int], str] | None:
+    reason = column.reason
+    return None if reason is None else lambda k: reason(k + first)
+
+
+def _of_group(table: Table, group: str, where: str) -> Table:
+    """The columns of one group, sheet or structure, by their names in it."""
+    for between in _BETWEEN:
+        own = {
+            n.removeprefix(group + between): n for n in table.names if n.startswith(group + between)
+        }
+        if own:
+            break
+    else:
+        groups = _groups(table.names)
+        has = f"it holds: {some(groups)}" if groups else "its columns are in no groups"
+        raise InputError(f"{where}: trial: {table.file} has no group {group!r}; {has}")
+
+    def load(wanted: Sequence[str]) -> Mapping[str, Column]:
+        loaded = table.load([own[name] for name in wanted])
+        return {name: replace(loaded[own[name]], name=name) for name in wanted}
+
+    def mine(said: Mapping[str, str]) -> dict[str, str]:
+        return {name: said[full] for name, full in own.items() if full in said}
+
+    return replace(
+        table,
+        names=tuple(own),
+        load=load,
+        units=mine(table.units),
+        remarks=mine(table.remarks),
+        descriptions=mine(table.descriptions),
+        retimed=None,
+        cells=None,
+    )
