@@ -61,8 +61,10 @@ def _number(text: str | None) -> float:
 
 
 def _truth(row: dict[str, str], trial: str) -> dict[str, float | None]:
-    kinds = tuple((row.get("visit") or "active").split("+"))
+    kinds = tuple(filter(None, (row.get("visit") or "").split("+")))
     truth = truth_of(row["family"], int(row["seed"]), int(row[trial]), kinds)
+    if row.get("angle") == "device":
+        return dict(truth.get("device", {}))
     return {**truth["parameters"], **truth["measures"]}
 
 
