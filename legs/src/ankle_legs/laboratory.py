@@ -142,7 +142,7 @@ def measure(
     active: int = 2,
 ) -> Session:
     """Return the session of a family's leg."""
-    from ankle_legs.make import leg
+    from ankle_legs.make import PATHS, leg
 
     for name in steps:
         if name not in (*STEPS, "isometric"):
@@ -162,7 +162,7 @@ def measure(
         axis = 15 * np.array([np.cos(turned), np.sin(turned)])
     own = (
         ()
-        if any(isinstance(d, look.Arms) for d in one.departures)
+        if family in PATHS or any(isinstance(d, look.Arms) for d in one.departures)
         else drawn(look.Arms)(one.rng(24), 0.8)
     )
     in_laboratory = (

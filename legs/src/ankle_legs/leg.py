@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 from scipy.signal import butter, lfilter, sosfilt
 
+from ankle_legs import invariants
 from ankle_legs.courses import COURSES
 from ankle_legs.measures import DERIVED, active_state, measures
 from ankle_legs.movement import FINE, angles, effort, fine_times
@@ -230,7 +231,8 @@ class Leg:
         for i, name in enumerate(GAINS):
             values[name] = subject.values[name] / float(mounting.electrodes[i])
         found = self.measures(subject, mounting, kinds, moves)
-        unscored |= {m: why for p, why in unscored.items() for m in DERIVED.get(p, ())}
+        derived = {m: why for p, why in unscored.items() for m in DERIVED.get(p, ())}
+        unscored |= derived | invariants.unscored(unscored)
         for name in unscored:
             for one in [m for m in found if m.startswith(name)]:
                 found[one] = None
@@ -264,15 +266,22 @@ class Leg:
         for i, muscle in enumerate(own.muscles()):
             states = [active_state(muscle, drive[i], step)[::FINE] for drive in drives]
             active.append(float(np.percentile(np.concatenate(states), 99)))
-        shown = [subject.values[g] / mounting.electrodes[j] for j, g in enumerate(GAINS)]
-        return measures(
-            own,
-            (float(sum(shown[1:])), float(shown[0])),
-            self.rest,
-            self.resist,
-            (float(ends[0]), float(ends[1])),
-            (active[0], active[1]),
-        )
+        largest = (active[0], active[1])
+        return self.read(subject, mounting, (float(ends[0]), float(ends[1])), largest)
+
+    def read(
+        self,
+        subject: Subject,
+        mounting: Mounting,
+        ends: tuple[float, float],
+        active: tuple[float, float],
+    ) -> dict[str, float | None]:
+        """Return the measures of a leg that moved between two angles, as active as that."""
+        own = self.lasting(subject)
+        shown = [subject.values[g] / float(mounting.electrodes[j]) for j, g in enumerate(GAINS)]
+        weights = (float(sum(shown[1:])), float(shown[0]))
+        found = measures(own, weights, self.rest, self.resist, ends, active)
+        return found | invariants.invariants(own, shown, ends, active)
 
     def rest(self, angle: Array) -> Array:
         """Return the torque of the joint's own tissue, at rest at an angle [Nm]."""

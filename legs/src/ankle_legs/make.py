@@ -10,19 +10,20 @@ from typing import Any
 
 import numpy as np
 
-from ankle_legs import __version__, last, look, perturbed, relaxed, stretched
+from ankle_legs import __version__, last, look, paths, perturbed, relaxed, stretched
 from ankle_legs.leg import FILM_RATE, FILM_START, Leg, generator
 from ankle_legs.muscle import Array
 from ankle_legs.subject import GROUPS, Geometry, draw
 
 FAMILIES = {**look.FAMILIES, **last.FAMILIES}
 RELAXED = {**relaxed.FAMILIES}
+PATHS = {**paths.FAMILIES}
 
 
 def leg(family: str, seed: int) -> Leg:
     """Return the leg of a family and a seed; every third is a patient's."""
-    if family not in FAMILIES and family not in RELAXED:
-        others = (*FAMILIES, *RELAXED, *perturbed.families(), *stretched.families())
+    if family not in {*FAMILIES, *RELAXED, *PATHS}:
+        others = (*FAMILIES, *RELAXED, *PATHS, *perturbed.families(), *stretched.families())
         raise ValueError(f"no family {family!r}; there are {', '.join(others)}")
     if seed < 0:
         raise ValueError(f"seed {seed} is negative; give 0 or more")
@@ -30,6 +31,8 @@ def leg(family: str, seed: int) -> Leg:
     if family in RELAXED:
         kinds = relaxed.FAST if family in relaxed.STRETCHED else relaxed.KINDS
         return relaxed.leg(family, seed, RELAXED[family], kinds, rng)
+    if family in PATHS:
+        return paths.leg(family, seed, PATHS[family], rng)
     plain = family == "p"
     rigid = plain and bool(rng.random() < 0.5)
     population = "patient" if rng.random() < 1 / 3 else "healthy"

@@ -26,8 +26,7 @@ from ankle_legs.handling import (
     Tilted,
     Tone,
 )
-from ankle_legs.leg import GAINS, Departure, Leg, Mounting, Run, drawn
-from ankle_legs.measures import measures
+from ankle_legs.leg import Departure, Leg, Mounting, Run, drawn
 from ankle_legs.movement import FINE
 from ankle_legs.muscle import Array
 from ankle_legs.subject import Subject, draw
@@ -197,19 +196,11 @@ class RelaxedLeg(Leg):
         moves: Sequence[tuple[int, float]],
     ) -> dict[str, float | None]:
         """Return the muscles' measures of a leg that is placed."""
-        runs, own = self.runs(kinds, moves), self.lasting(subject)
-        active = np.percentile(
-            np.concatenate([run.active[:, ::FINE] for run in runs], axis=1), 99, axis=1
-        )
-        shown = [subject.values[g] / mounting.electrodes[j] for j, g in enumerate(GAINS)]
-        return measures(
-            own,
-            (float(sum(shown[1:])), float(shown[0])),
-            self.rest,
-            self.resist,
-            _ends([run.ankle for run in runs]),
-            (float(active[0]), float(active[1])),
-        )
+        runs = self.runs(kinds, moves)
+        states = np.concatenate([run.active[:, ::FINE] for run in runs], axis=1)
+        active = np.percentile(states, 99, axis=1)
+        ends = _ends([run.ankle for run in runs])
+        return self.read(subject, mounting, ends, (float(active[0]), float(active[1])))
 
     def runs(self, kinds: Sequence[str], moves: Sequence[tuple[int, float]]) -> list[Run]:
         """Return the trials of a visit of a leg that is placed."""
