@@ -152,7 +152,7 @@ class Play(Between):
         return np.zeros(torque.size)
 
 
-def _pull(run: Run, torque: Array, shown: float) -> None:
+def pull_calf(run: Run, torque: Array, shown: float) -> None:
     """Let the calf pull by a torque [Nm] that its electrodes show a share of."""
     force = torque / float(run.subject.geometry.arm(np.zeros(1))[0, 0])
     for i, share in ((1, 0.2), (2, 0.55), (3, 0.25)):
@@ -172,7 +172,7 @@ class StretchReflex(Departure):
     def excite(self, run: Run) -> None:
         speed = np.degrees(np.gradient(run.plate, run.step))
         fast = np.maximum(speed - self.threshold, 0.0) / (100.0 - self.threshold)
-        _pull(run, run.delayed(self.size * fast, self.latency), max(self.shown, 0.0))
+        pull_calf(run, run.delayed(self.size * fast, self.latency), max(self.shown, 0.0))
 
 
 @dataclass(frozen=True)
@@ -186,7 +186,7 @@ class Tone(Departure):
     def excite(self, run: Run) -> None:
         knots = np.arange(0, run.times[-1] + 8, 4.0)
         course = np.interp(run.times, knots, run.rng.normal(size=knots.size))
-        _pull(run, self.size * np.maximum(1 + self.unsteady * course, 0.0), self.shown)
+        pull_calf(run, self.size * np.maximum(1 + self.unsteady * course, 0.0), self.shown)
 
 
 @dataclass(frozen=True)

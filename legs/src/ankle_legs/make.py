@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from ankle_legs import __version__, last, look, paths, perturbed, relaxed, stretched
+from ankle_legs import __version__, last, last_relaxed, look, paths, perturbed, relaxed, stretched
 from ankle_legs.leg import FILM_RATE, FILM_START, Leg, generator
 from ankle_legs.muscle import Array
 from ankle_legs.subject import GROUPS, Geometry, draw
 
 FAMILIES = {**look.FAMILIES, **last.FAMILIES}
-RELAXED = {**relaxed.FAMILIES}
-PATHS = {**paths.FAMILIES}
+RELAXED = {**relaxed.FAMILIES, **last_relaxed.RELAXED}
+PATHS = {**paths.FAMILIES, **last_relaxed.PATHS}
 
 
 def leg(family: str, seed: int) -> Leg:

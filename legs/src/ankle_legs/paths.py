@@ -30,9 +30,21 @@ class Way:
 
     arm_sd: float  # of an arm's logarithm
     gear: float | None = None  # of every leg; None: drawn
+    bent: float = 0.0  # by how much the gear may change over a radian, of itself
     thesis: bool = False  # the thesis's paths, whatever the arms are
     departures: tuple[type[Departure], ...] = ()
     laboratory: bool = True
+
+
+@dataclass(frozen=True)
+class BentGeometry(Geometry):
+    """Paths with a cubic part, of a gear that changes over the angle."""
+
+    cubic: tuple[float, float] = (0.0, 0.0)  # [m/rad^3]
+
+    def path(self, angle: Array) -> Array:
+        """Return both paths at each angle [m]."""
+        return np.asarray(super().path(angle) + np.outer(self.cubic, angle**3))
 
 
 def own_arms(rng: np.random.Generator, sd: float) -> Array:
@@ -43,18 +55,23 @@ def own_arms(rng: np.random.Generator, sd: float) -> Array:
     return np.asarray(arms)
 
 
-def geared(subject: Subject, arms: Array, gears: Array) -> Subject:
+def geared(
+    subject: Subject, arms: Array, gears: Array, bends: tuple[float, float] = (0.0, 0.0)
+) -> Subject:
     """Return the leg with paths that travel ``gears`` times its ``arms``.
+
+    The gears change by ``bends`` of themselves over a radian.
 
     Lengths (x0, l0, the path at 0 degrees) grow as the path's slope does, k falls; the tendon's
     stretch is a gear's share of what it is in the line of pull.
     """
-    old, paths = subject.geometry.paths, np.zeros((2, 3))
+    old, paths, cubic = subject.geometry.paths, np.zeros((2, 3)), np.zeros(2)
     changed: dict[str, float] = {}
     for i, group in enumerate(GROUPS):
         slope = SIGNS[i] * float(gears[i]) * arms[i]
         ratio = float(slope[0] / old[i, 1])
-        paths[i] = (old[i, 0] * ratio, slope[0], slope[1] / 2)
+        paths[i] = (old[i, 0] * ratio, slope[0], (slope[1] + bends[i] * slope[0]) / 2)
+        cubic[i] = bends[i] * slope[1] / 3
         v = {name: subject.values[f"{name}_{group}"] for name in ("k", "x0", "l0", "dlt")}
         changed |= {
             f"k_{group}": v["k"] / ratio,
@@ -62,7 +79,8 @@ def geared(subject: Subject, arms: Array, gears: Array) -> Subject:
             f"l0_{group}": v["l0"] * ratio,
             f"dlt_{group}": v["dlt"] * float(gears[i]),
         }
-    moved = replace(subject, geometry=Geometry(arms, paths))
+    bent = BentGeometry(arms, paths, (float(cubic[0]), float(cubic[1])))
+    moved = replace(subject, geometry=bent if any(bends) else Geometry(arms, paths))
     return moved.with_values(**changed)
 
 
@@ -73,7 +91,8 @@ def _subject(rng: np.random.Generator, subject: Subject, way: Way) -> Subject:
     gears = np.full(2, way.gear if way.gear is not None else np.nan)
     if way.gear is None:
         gears = np.clip(GEAR * np.exp(GEAR_SD * rng.normal(size=2)), *GEARS)
-    return geared(subject, arms, gears)
+    first, second = rng.uniform(-way.bent, way.bent, 2)
+    return geared(subject, arms, gears, (float(first), float(second)))
 
 
 FAMILIES: dict[str, Way] = {
