@@ -162,10 +162,10 @@ def _hysteresis(glide: Turns, high: float) -> float | None:
 
 
 def _share(ankle: Ankle) -> float:
-    """Return what relaxes in 10 s after a sudden stretch from 0° to 10°, % of its torque's rise."""
+    """Return what relaxes in 10 s after a sudden stretch from -30° to 10°, % of its rise."""
     step = 1e-3
     angle = np.radians(np.full(round(10 / step) + 2, 10.0))
-    angle[0] = 0.0
+    angle[0] = np.radians(START)
     undragged = tuple(d.undragged() for d in ankle.tissues)
     torque = Ankle(ankle.subject, undragged).glide(angle, step)
     return 100 * float((torque[1] - torque[-1]) / (torque[1] - torque[0]))

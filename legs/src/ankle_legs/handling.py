@@ -140,16 +140,33 @@ class SoftPlate(Between):
 
 @dataclass(frozen=True)
 class Play(Between):
-    """The device's gears have play: the foot follows late, by half of it in each direction."""
+    """The device's gears have play: the foot leans on the flank that its torque presses.
 
-    degrees: float = between(0.6, 2.5)
+    Where the torque is less than what rubs beyond the gears, the movement decides which flank that
+    is; so the play never gives back more work than was put in.
+    """
+
+    degrees: float = between(0.6, 2.5)  # between the flanks
+    friction: float = between(0.2, 1.5)  # beyond the gears [Nm]
+    weight: float = between(0.0, 2.0, none=None)  # of foot and plate [Nm]
+    soft: ClassVar[float] = 0.5  # torque over which the foot goes over to the other flank [Nm]
+
+    def _moved(self, plate: Array) -> Array:
+        """Return which flank the movement leads to, -1 to 1."""
+        width = float(np.radians(max(self.degrees, 1e-6)))
+        return np.asarray(played(plate, width) / (0.5 * width))
 
     def gives(self, plate: Array, torque: Array, step: float) -> Array:
-        del torque, step
-        return np.asarray(played(plate, float(np.radians(self.degrees))))
+        del step
+        pressed = torque + self.weight + self.friction * self._moved(plate)
+        return np.asarray(np.radians(0.5 * self.degrees) * np.tanh(pressed / self.soft))
 
     def gives_still(self, torque: Array) -> Array:
-        return np.zeros(torque.size)
+        pressed = (torque + self.weight) / self.soft
+        return np.asarray(np.radians(0.5 * self.degrees) * np.tanh(pressed))
+
+    def measure(self, run: Run) -> None:
+        run.torque += self.friction * self._moved(run.plate)
 
 
 def pull_calf(run: Run, torque: Array, shown: float) -> None:

@@ -8,7 +8,7 @@ it is placed anew and one thing of it has changed.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -56,6 +56,7 @@ class RelaxedLeg(Leg):
     kinds: tuple[str, ...] = KINDS
     change: str = "softer"
     trial: int = 0  # that it is placed for; 0: it is not
+    done: dict[tuple[Any, ...], Run] = field(default_factory=dict, compare=False, repr=False)
 
     def usual(self, trial: int) -> tuple[str, float]:
         """Return a trial's kind and seconds, if nobody asks for others."""
@@ -135,7 +136,7 @@ class RelaxedLeg(Leg):
         if self.changed(trial):
             own = tuple(self._treated_tissue(d) if isinstance(d, Tissue) else d for d in own)
         setup = self.setup((trial - 1) // VISIT)
-        return replace(self, departures=(setup, *own), trial=trial)
+        return replace(self, departures=(setup, *own), trial=trial, done={})
 
     def record(
         self,
@@ -204,10 +205,12 @@ class RelaxedLeg(Leg):
 
     def runs(self, kinds: Sequence[str], moves: Sequence[tuple[int, float]]) -> list[Run]:
         """Return the trials of a visit of a leg that is placed."""
-        return [
-            Leg.record(self, self.trial, seconds, kind, movement=number)
-            for (number, seconds), kind in zip(moves, kinds, strict=True)
-        ]
+        for (number, seconds), kind in zip(moves, kinds, strict=True):
+            if (number, seconds, kind) not in self.done:
+                run = Leg.record(self, self.trial, seconds, kind, movement=number)
+                self.done[number, seconds, kind] = run
+        keys = zip(moves, kinds, strict=True)
+        return [self.done[number, seconds, kind] for (number, seconds), kind in keys]
 
     def ankle(self) -> Ankle:
         """Return what the relaxed leg is, from device to bone."""
