@@ -302,6 +302,18 @@ def test_a_second_visit_is_the_same_leg_placed_anew_and_a_third_has_changed(chan
     assert delays[1] - delays[0] == pytest.approx(0.03 if change == "late" else 0.0)
 
 
+def test_a_robot_turns_back_where_a_changed_leg_pulls_too_hard() -> None:
+    one = leg("rd", 3)
+    assert one.change == "shorter"
+    changed, mounting = one.condition(7)
+    ankle = one.placed(7).ankle()
+    assert ankle.still_shown(np.array(one.subject.range))[1] > 50
+    assert changed.range[1] < one.subject.range[1] - 0.01
+    assert 20 < ankle.still_shown(np.array(changed.range))[1] < 32
+    assert one.record(7).plate.max() <= changed.range[1] + 1e-9
+    assert mounting.delay == one.condition(1)[1].delay
+
+
 def test_seeds_change_in_one_thing_after_another() -> None:
     assert {leg("rb", seed).change for seed in range(7)} == {*CHANGES}
     assert set(FAMILIES) < set(RELAXED)

@@ -46,6 +46,7 @@ CHANGES = {
     "relaxing": "twice as much of the tissue's torque relaxes",
     "late": "the torque follows the EMG 30 ms later",
 }
+MOST = 25.0  # relaxed torque at which a robot turns back [Nm]
 SLACKER = float(np.radians(4.0))
 
 
@@ -68,11 +69,21 @@ class RelaxedLeg(Leg):
         """Return whose leg, and how mounted, a trial has."""
         visit = (trial - 1) // VISIT
         mounting = self.mounting(visit)
-        if not self.changed(trial):
-            return self.subject, mounting
-        if self.change == "late":
+        if self.changed(trial) and self.change == "late":
             mounting = replace(mounting, delay=mounting.delay + 0.030)
-        return self.treated(), mounting
+        return self._turned_back(trial), mounting
+
+    def _turned_back(self, trial: int) -> Subject:
+        """Return the muscles of a trial, with a range in which the robot does not feel too much."""
+        subject = self.treated() if self.changed(trial) else self.subject
+        one = self if self.trial else self.placed(trial)
+        low, high = subject.range
+        angles = np.linspace(low, high, 60)
+        own = angles - sum(d.zero() for d in one.departures)
+        far = one.lasting(subject).passive_torque(own) + one.rest(own) > MOST
+        if far.any():
+            high = float(angles[np.argmax(far)])
+        return replace(subject, range=(low, high))
 
     def changed(self, trial: int) -> bool:
         """Return whether the leg has changed by then."""
