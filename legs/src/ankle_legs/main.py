@@ -42,7 +42,8 @@ def _parser() -> argparse.ArgumentParser:
         "--kind",
         choices=(*KINDS, *COURSES),
         help="active: with efforts; passive: moved alike, at rest; curve: long holds, at rest; "
-        "isometric: eight angles held with efforts; alone: one muscle after another; maximal",
+        "isometric: eight angles held with efforts; alone: one muscle after another; maximal; "
+        "of relaxed legs ramps, bouts, ladder, stretches (default: active, or as the README says)",
     )
     make.add_argument("--raw", action="store_true", help="raw EMG at 1024 Hz")
     make.add_argument("--film", action="store_true", help="filmed fascicles too, and a mapping")
