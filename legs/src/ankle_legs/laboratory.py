@@ -142,8 +142,12 @@ def measure(
     active: int = 2,
 ) -> Session:
     """Return the session of a family's leg."""
-    from ankle_legs.make import leg
+    from ankle_legs.make import PATHS, RELAXED, leg
 
+    if family in RELAXED:
+        raise ValueError(
+            f"{family} has visits of its own and no laboratory; use make --trials 1,2,3"
+        )
     for name in steps:
         if name not in (*STEPS, "isometric"):
             raise ValueError(f"no step {name!r}; there are {', '.join((*STEPS, 'isometric'))}")
@@ -162,7 +166,7 @@ def measure(
         axis = 15 * np.array([np.cos(turned), np.sin(turned)])
     own = (
         ()
-        if any(isinstance(d, look.Arms) for d in one.departures)
+        if family in PATHS or any(isinstance(d, look.Arms) for d in one.departures)
         else drawn(look.Arms)(one.rng(24), 0.8)
     )
     in_laboratory = (

@@ -10,6 +10,8 @@ from typing import Any, ClassVar
 import numpy as np
 from scipy.signal import butter, lfilter, sosfilt
 
+from ankle_legs import invariants
+from ankle_legs.courses import COURSES
 from ankle_legs.measures import DERIVED, active_state, measures
 from ankle_legs.movement import FINE, angles, effort, fine_times
 from ankle_legs.muscle import Array, integrate
@@ -53,6 +55,8 @@ class Run:
     active: Array  # activation [N]
     torque: Array  # of the muscles on the ankle, then what the sensor shows [Nm]
     seen: Array  # EMG that the electrodes show [V]
+    joint: Array = field(default_factory=lambda: np.zeros(1))  # torque of the joint's tissue [Nm]
+    sunk: dict[str, Array] = field(default_factory=dict)  # less turn of the foot, by cause [rad]
 
     @property
     def step(self) -> float:
@@ -181,6 +185,11 @@ class Leg:
         subject = self.treated() if trial > 6 else self.subject
         return subject, self.mounting(1 if 4 <= trial <= 6 else 0)
 
+    def usual(self, trial: int) -> tuple[str, float]:
+        """Return a trial's kind and seconds, if nobody asks for others."""
+        del trial
+        return "active", 35.0
+
     def treated(self) -> Subject:
         """Return the leg after a treatment: its passive triceps is softer, and may be weaker."""
         rng, v = self.rng(5), self.subject.values
@@ -222,7 +231,8 @@ class Leg:
         for i, name in enumerate(GAINS):
             values[name] = subject.values[name] / float(mounting.electrodes[i])
         found = self.measures(subject, mounting, kinds, moves)
-        unscored |= {m: why for p, why in unscored.items() for m in DERIVED.get(p, ())}
+        derived = {m: why for p, why in unscored.items() for m in DERIVED.get(p, ())}
+        unscored |= derived | invariants.unscored(unscored)
         for name in unscored:
             for one in [m for m in found if m.startswith(name)]:
                 found[one] = None
@@ -256,15 +266,22 @@ class Leg:
         for i, muscle in enumerate(own.muscles()):
             states = [active_state(muscle, drive[i], step)[::FINE] for drive in drives]
             active.append(float(np.percentile(np.concatenate(states), 99)))
-        shown = [subject.values[g] / mounting.electrodes[j] for j, g in enumerate(GAINS)]
-        return measures(
-            own,
-            (float(sum(shown[1:])), float(shown[0])),
-            self.rest,
-            self.resist,
-            (float(ends[0]), float(ends[1])),
-            (active[0], active[1]),
-        )
+        largest = (active[0], active[1])
+        return self.read(subject, mounting, (float(ends[0]), float(ends[1])), largest)
+
+    def read(
+        self,
+        subject: Subject,
+        mounting: Mounting,
+        ends: tuple[float, float],
+        active: tuple[float, float],
+    ) -> dict[str, float | None]:
+        """Return the measures of a leg that moved between two angles, as active as that."""
+        own = self.lasting(subject)
+        shown = [subject.values[g] / float(mounting.electrodes[j]) for j, g in enumerate(GAINS)]
+        weights = (float(sum(shown[1:])), float(shown[0]))
+        found = measures(own, weights, self.rest, self.resist, ends, active)
+        return found | invariants.invariants(own, shown, ends, active)
 
     def rest(self, angle: Array) -> Array:
         """Return the torque of the joint's own tissue, at rest at an angle [Nm]."""
@@ -360,8 +377,11 @@ def generator(family: str, seed: int, *what: int) -> np.random.Generator:
 def _start(
     times: Array, subject: Subject, mounting: Mounting, rng: np.random.Generator, kind: str
 ) -> Run:
-    angle = angles(rng, times, *subject.range, kind)
-    active = effort(rng, times, kind)
+    if kind in COURSES:
+        angle, active = COURSES[kind](rng, times, *subject.range)
+    else:
+        angle = angles(rng, times, *subject.range, kind)
+        active = effort(rng, times, kind)
     arms = subject.geometry.arm(np.zeros(1))[:, 0]
     peak = np.array([subject.torque[1] / arms[1], *[subject.torque[0] / arms[0]] * 3])
     gains = np.array([subject.values[name] for name in ("g1", "g2", "g3", "g4")])
@@ -401,8 +421,8 @@ def _integrate(run: Run, departures: tuple[Departure, ...]) -> None:
     drive = _drives(run)
     constants = [muscle.constants() for muscle in run.subject.muscles()]
     looping = any(d.loops for d in departures)
-    for _ in range(30 if looping else 1):
-        before = run.torque
+    for _ in range(60 if looping else 1):
+        before = run.torque + run.joint
         run.ankle = run.plate
         for departure in departures:
             departure.turn(run)
@@ -422,6 +442,6 @@ def _integrate(run: Run, departures: tuple[Departure, ...]) -> None:
         run.active = np.array([p[2] for p in passes])
         pulls = run.arm * run.force
         run.torque = pulls[0] - pulls[1]
-        if not looping or np.max(np.abs(run.torque - before)) < 1e-3:
+        if not looping or np.max(np.abs(run.torque + run.joint - before)) < 1e-3:
             return
     raise ArithmeticError("the leg and its departures do not settle; take another seed")

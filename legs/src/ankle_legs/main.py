@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from ankle_legs import __version__
+from ankle_legs.courses import COURSES
 from ankle_legs.laboratory import STEPS, WRONG
 from ankle_legs.movement import KINDS
 
@@ -34,13 +35,15 @@ def _parser() -> argparse.ArgumentParser:
         metavar="N|N,N…",
         help="how many, or which: 4 to 6 are mounted anew, 7 to 9 treated (default: 1)",
     )
-    make.add_argument("--seconds", type=float, default=35.0, help="a trial's length (default: 35)")
+    make.add_argument(
+        "--seconds", type=float, help="a trial's length (default: 35; of relaxed legs 35 to 80)"
+    )
     make.add_argument(
         "--kind",
-        choices=KINDS,
-        default="active",
+        choices=(*KINDS, *COURSES),
         help="active: with efforts; passive: moved alike, at rest; curve: long holds, at rest; "
-        "isometric: eight angles held with efforts; alone: one muscle after another; maximal",
+        "isometric: eight angles held with efforts; alone: one muscle after another; maximal; "
+        "of relaxed legs ramps, bouts, ladder, stretches (default: active, or as the README says)",
     )
     make.add_argument("--raw", action="store_true", help="raw EMG at 1024 Hz")
     make.add_argument("--film", action="store_true", help="filmed fascicles too, and a mapping")

@@ -10,22 +10,29 @@ from typing import Any
 
 import numpy as np
 
-from ankle_legs import __version__, last, look, perturbed, stretched
+from ankle_legs import __version__, last, last_relaxed, look, paths, perturbed, relaxed, stretched
 from ankle_legs.leg import FILM_RATE, FILM_START, Leg, generator
 from ankle_legs.muscle import Array
 from ankle_legs.subject import GROUPS, Geometry, draw
 
 FAMILIES = {**look.FAMILIES, **last.FAMILIES}
+RELAXED = {**relaxed.FAMILIES, **last_relaxed.RELAXED}
+PATHS = {**paths.FAMILIES, **last_relaxed.PATHS}
 
 
 def leg(family: str, seed: int) -> Leg:
     """Return the leg of a family and a seed; every third is a patient's."""
-    if family not in FAMILIES:
-        others = (*FAMILIES, *perturbed.families(), *stretched.families())
+    if family not in {*FAMILIES, *RELAXED, *PATHS}:
+        others = (*FAMILIES, *RELAXED, *PATHS, *perturbed.families(), *stretched.families())
         raise ValueError(f"no family {family!r}; there are {', '.join(others)}")
     if seed < 0:
         raise ValueError(f"seed {seed} is negative; give 0 or more")
     rng = generator(family, seed, 0)
+    if family in RELAXED:
+        kinds = relaxed.FAST if family in relaxed.STRETCHED else relaxed.KINDS
+        return relaxed.leg(family, seed, RELAXED[family], kinds, rng)
+    if family in PATHS:
+        return paths.leg(family, seed, PATHS[family], rng)
     plain = family == "p"
     rigid = plain and bool(rng.random() < 0.5)
     population = "patient" if rng.random() < 1 / 3 else "healthy"
@@ -35,16 +42,24 @@ def leg(family: str, seed: int) -> Leg:
 
 @lru_cache(maxsize=4096)
 def truth_of(
-    family: str, seed: int, trial: int, kinds: tuple[str, ...] = ("active",), seconds: float = 35.0
+    family: str,
+    seed: int,
+    trial: int,
+    kinds: tuple[str, ...] = (),
+    seconds: float | None = None,
 ) -> dict[str, Any]:
     """Return the truth of one trial of a leg, which needs no file.
 
-    Of several kinds: of the visit of so many trials that begins with it, as one.
+    Of several kinds: of the visit of so many trials that begins with it, as one. Without a kind or
+    seconds they are what is usual for the trial.
     """
     if trial < 1:
         raise ValueError(f"there is no trial {trial}; the first is 1")
     one = leg(family, seed)
-    return one.truth(*one.condition(trial), trial, kinds, seconds)
+    kinds = kinds or (one.usual(trial)[0],)
+    each = [one.usual(trial + i)[1] if seconds is None else seconds for i in range(len(kinds))]
+    moves = [(trial + i, length) for i, length in enumerate(each)]
+    return one.truth(*one.condition(trial), trial, kinds, moves=moves)
 
 
 def write_csv(path: Path, columns: dict[str, Array], comment: str = "") -> None:
@@ -86,8 +101,8 @@ def make(
     output: Path,
     trials: Sequence[int] = (1,),
     *,
-    seconds: float = 35.0,
-    kind: str = "active",
+    seconds: float | None = None,
+    kind: str | None = None,
     raw: bool = False,
     film: bool = False,
     geometry: bool = False,
@@ -102,7 +117,7 @@ def make(
         return _make_stretched(family, seed, output)
     if not trials:
         raise ValueError("no trial is asked for; give 1 or more")
-    if not seconds >= 20:
+    if seconds is not None and not seconds >= 20:
         raise ValueError(f"{seconds:g} s are too short a trial; give 20 or more")
     one, folder, emg = leg(family, seed), f"{family}-{seed}", "raw" if raw else "envelope"
     truths, paths = [], []
@@ -110,8 +125,10 @@ def make(
         own = one.lasting(one.subject).geometry
         write_geometry(output / folder / "geometry" / "geometry.csv", own)
     for trial in trials:
-        truths.append({"trial": trial, **truth_of(family, seed, trial, (kind,), seconds)})
-        run, name = one.record(trial, seconds, kind), f"trial-{trial}"
+        what, length = one.usual(trial)
+        what, length = kind or what, seconds or length
+        truths.append({"trial": trial, **truth_of(family, seed, trial, (what,), length)})
+        run, name = one.record(trial, length, what), f"trial-{trial}"
         columns = one.columns(run, trial, raw=raw)
         paths.append(output / folder / f"{name}.csv")
         write_csv(paths[-1], columns, f"# emg: {emg}\n")

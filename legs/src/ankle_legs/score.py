@@ -9,13 +9,25 @@ from collections.abc import Container, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ankle_legs.make import RELAXED as VISITED
 from ankle_legs.make import truth_of
+from ankle_legs.relaxed import VISIT
 from ankle_legs.subject import PARAMETERS
 
 COLUMNS = ("family", "seed", "trial", "parameter", "value", "low", "high", "verdict")
-ELECTRODES = ("g1", "g2", "g3", "g4", "torque_per_emg_tri", "torque_per_emg_tib")
+ELECTRODES = (
+    *("g1", "g2", "g3", "g4", "torque_per_emg_tri", "torque_per_emg_tib"),
+    *("torque_gain_ta", "torque_gain_gl", "torque_gain_sol", "torque_gain_gm"),
+)
 #: What a trial's movement and effort make, beside the leg.
-MOVED = ("end_", "torque_rise", "slack_before", "optimum_before", "active_torque_max")
+MOVED = (
+    "end_",
+    "torque_rise",
+    "slack_before",
+    "optimum_before",
+    "active_torque_max",
+    "maximal_torque",
+)
 MOUNTED_ANEW = range(4, 7)
 CHANGES = ("family", "seed", "before", "after", "measure", "verdict")
 
@@ -60,9 +72,15 @@ def _number(text: str | None) -> float:
         return math.nan
 
 
+def _leg(row: dict[str, str]) -> tuple[str, str]:
+    return row["family"], row["seed"]
+
+
 def _truth(row: dict[str, str], trial: str) -> dict[str, float | None]:
-    kinds = tuple((row.get("visit") or "active").split("+"))
+    kinds = tuple(filter(None, (row.get("visit") or "").split("+")))
     truth = truth_of(row["family"], int(row["seed"]), int(row[trial]), kinds)
+    if row.get("angle") == "device":
+        return dict(truth.get("device", {}))
     return {**truth["parameters"], **truth["measures"]}
 
 
@@ -77,7 +95,7 @@ def score(path: Path, only: Container[str] | None = None) -> list[Count]:
     total, counts = Count("all"), dict[str, Count]()
     answers, graded = rows(path, COLUMNS), set()
     values = {
-        (row["family"], row["seed"], row["trial"], row["parameter"]): _number(row["value"])
+        (*_leg(row), row["trial"], row["parameter"], row.get("angle")): _number(row["value"])
         for row in answers
     }
     for number, row in enumerate(answers, start=2):
@@ -92,7 +110,7 @@ def score(path: Path, only: Container[str] | None = None) -> list[Count]:
         holds = truth is not None and low <= truth <= high
         bounded = math.isfinite(low) and math.isfinite(high) and high > low
         identified = row["verdict"] == "identified"
-        again = values.get((family, row["seed"], str(int(trial) + 1), row["parameter"]))
+        again = values.get((*_leg(row), str(int(trial) + 1), row["parameter"], row.get("angle")))
         claimed = (row.get("repeatable") or "").lower() == "true" and trial in ("1", "2")
         for count in (counts.setdefault(family, Count(family)), total):
             count.legs.add(leg)
@@ -133,11 +151,12 @@ def names(path: Path, only: Container[str]) -> str:
         if truth is None or not high > low:
             continue
         holds, claimed = low <= truth <= high, row["verdict"] == "identified"
-        count = found.setdefault(row["parameter"], [0, 0, 0, 0])
+        shown = " (device)" if row.get("angle") == "device" else ""
+        count = found.setdefault(row["parameter"] + shown, [0, 0, 0, 0])
         for i, one in enumerate((1, holds, claimed, claimed and holds)):
             count[i] += one
     return "\n".join(
-        f"{name:<32} {hold:>4} of {n:<4} hold, {claimed:>4} identified, {true:>4} true"
+        f"{name:<42} {hold:>4} of {n:<4} hold, {claimed:>4} identified, {true:>4} true"
         for name, (n, hold, claimed, true) in sorted(found.items())
     )
 
@@ -163,43 +182,77 @@ def table(counts: list[Count]) -> str:
     )
 
 
+@dataclass
+class Pairs:
+    """What was said of pairs of trials, or of visits, of one family."""
+
+    movement: dict[tuple[str, ...], bool] = field(default_factory=dict)  # unchanged: any claim?
+    mounting: dict[tuple[str, ...], bool] = field(default_factory=dict)
+    changed: int = 0
+    found: int = 0
+    same: int = 0  # quantities of treated legs that did not change
+    false: int = 0
+    differences: int = 0  # that have an interval
+    hold: int = 0
+
+
+def _placed(row: dict[str, str], trial: int) -> int:
+    """Return the number of the mounting that a trial of a leg has."""
+    if row["family"] in VISITED:
+        return (trial - 1) // VISIT
+    return int(trial in MOUNTED_ANEW)
+
+
+def _count_pair(row: dict[str, str], pairs: Pairs) -> None:
+    """Count a row: what it says of a measure before and after, and what is true."""
+    first, second = int(row["before"]), int(row["after"])
+    before, after = (_truth(row, key).get(row["measure"], 0.0) for key in ("before", "after"))
+    anew = _placed(row, first) != _placed(row, second)
+    if before is None or after is None or (anew and row["measure"] in ELECTRODES):
+        return
+    low, high = (_number(row.get(key)) for key in ("low", "high"))
+    if high > low:
+        pairs.differences += 1
+        pairs.hold += low <= after - before <= high
+    said = row["verdict"] == "changed"
+    if (first > 6) == (second > 6):
+        pair = (row["seed"], row["before"], row["after"])
+        same = pairs.mounting if anew else pairs.movement
+        same[pair] = same.get(pair, False) or said
+        return
+    difference = abs(after / before - 1) if before else 0.0
+    if not before or row["measure"].startswith(MOVED) or 1e-9 <= difference <= 0.1:
+        return
+    if difference > 0.1:
+        pairs.changed += 1
+        pairs.found += said
+    else:
+        pairs.same += 1
+        pairs.false += said
+
+
 def change_table(path: Path) -> str:
     """Count pairs of trials: what is called changed, and what is.
 
     A quantity has changed where its truth differs by more than 10 %, and has not where it is the
     same; what lies between, or depends on the electrodes, is not counted. A measure whose truth is
-    not known counts in unchanged pairs alone.
+    not known counts in unchanged pairs alone. Columns ``low`` and ``high`` may give an interval of
+    the difference, after less before.
     """
-    pairs: dict[str, dict[str, dict[tuple[str, ...], bool]]] = {}
-    treated: dict[str, list[int]] = {}
+    families: dict[str, Pairs] = {}
     for row in rows(path, CHANGES):
-        family, first, second = row["family"], int(row["before"]), int(row["after"])
-        before, after = (_truth(row, key).get(row["measure"], 0.0) for key in ("before", "after"))
-        anew = (first in MOUNTED_ANEW) != (second in MOUNTED_ANEW)
-        if before is None or after is None or (anew and row["measure"] in ELECTRODES):
-            continue
-        said = row["verdict"] == "changed"
-        found = treated.setdefault(family, [0, 0, 0, 0])
-        if (first > 6) == (second > 6):
-            kinds = pairs.setdefault(family, {"movement": {}, "mounting": {}})
-            pair = (row["seed"], row["before"], row["after"])
-            same = kinds["mounting" if anew else "movement"]
-            same[pair] = same.get(pair, False) or said
-        elif (
-            before
-            and not row["measure"].startswith(MOVED)
-            and not 1e-9 <= (difference := abs(after / before - 1)) <= 0.1
-        ):
-            found[0 if difference > 0.1 else 2] += 1
-            found[1 if difference > 0.1 else 3] += said
+        _count_pair(row, families.setdefault(row["family"], Pairs()))
     lines = [
         "family  unchanged pairs called changed: other movement, other mounting    treated: found"
     ]
-    for family, found in treated.items():
-        kinds = pairs.get(family, {"movement": {}, "mounting": {}})
-        moved, mounted = (f"{sum(k.values())} of {len(k)}" for k in kinds.values())
-        lines.append(
-            f"{family:<7} {moved:>45}, {mounted:<20} {found[1]} of {found[0]} that changed, "
-            f"{found[3]} of {found[2]} that did not"
+    for family, one in families.items():
+        moved, mounted = (
+            f"{sum(pairs.values())} of {len(pairs)}" for pairs in (one.movement, one.mounting)
         )
+        lines.append(
+            f"{family:<7} {moved:>45}, {mounted:<20} {one.found} of {one.changed} that changed, "
+            f"{one.false} of {one.same} that did not"
+        )
+        if one.differences:
+            lines[-1] += f"; {one.hold} of {one.differences} differences hold"
     return "\n".join(lines)

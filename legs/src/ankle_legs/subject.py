@@ -137,10 +137,22 @@ def draw(rng: np.random.Generator, population: str, *, tendons: bool = True) -> 
             else (rng.uniform(50, 95), rng.uniform(15, 35))
         )
         subject = Subject(values, population, (low, high), (float(reach[0]), float(reach[1])))
-        at_10 = float(subject.passive_torque(np.radians([10.0]))[0])
-        if (2.0 if patient else 1.5) < at_10 < (19.0 if patient else 13.4):
+        if common(subject):
             break
-    angles = np.linspace(low, high, 60)  # a robot turns back where the torque grows too large
+    return bounded(subject)
+
+
+def common(subject: Subject) -> bool:
+    """Return whether its passive torque at 10 degrees is one that the population has."""
+    patient = subject.population == "patient"
+    at_10 = float(subject.passive_torque(np.radians([10.0]))[0])
+    return (2.0 if patient else 1.5) < at_10 < (19.0 if patient else 13.4)
+
+
+def bounded(subject: Subject) -> Subject:
+    """Return the leg with a range that ends where a robot turns back, for its torque's sake."""
+    low, high = subject.range
+    angles = np.linspace(low, high, 60)
     far = subject.passive_torque(angles) > 25
     if far.any():
         high = float(angles[np.argmax(far)])
