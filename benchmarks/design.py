@@ -24,16 +24,16 @@ import numpy as np
 
 import surae
 from surae.api import designing, ready_trajectory
+from surae.planning import genes as genes_module
+from surae.planning import search as search_module
+from surae.planning.design import Design, _along
+from surae.planning.expectation import expected
+from surae.planning.information import information, prior_precision
+from surae.planning.legs import Legs, population_legs
+from surae.planning.plan import held_to_torque
+from surae.planning.search import make_aim
+from surae.planning.torque import within_torque
 from surae.protocol import Device, Protocol, Trajectory, generate, named_device
-from surae.protocol.planning import genes as genes_module
-from surae.protocol.planning import search as search_module
-from surae.protocol.planning.design import Design, _along
-from surae.protocol.planning.expectation import expected
-from surae.protocol.planning.information import information, prior_precision
-from surae.protocol.planning.legs import Legs, population_legs
-from surae.protocol.planning.plan import held_to_torque
-from surae.protocol.planning.search import make_aim
-from surae.protocol.planning.torque import within_torque
 from surae.recording import write_csv
 from surae.studies import virtual_subject, virtual_trial
 

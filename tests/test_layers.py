@@ -35,7 +35,7 @@ LAYERS = (
     ("exchange",),
     ("cohorts",),
     ("studies",),
-    ("protocol.planning",),
+    ("planning",),
     ("report",),
     ("api",),
     ("cli", "__main__"),
@@ -44,10 +44,8 @@ RANK = {name: rank for rank, layer in enumerate(LAYERS) for name in layer}
 
 
 def layer_of(module: str) -> str:
-    """The layer of a module: a package inside another may have one of its own."""
-    _, outer, *inner = module.split(".")
-    own = ".".join((outer, *inner[:1]))
-    return own if own in RANK else outer
+    """The layer of a module: that of the folder it lies in."""
+    return module.split(".")[1]
 
 
 #: Light enough to run a command that computes nothing without a pause.

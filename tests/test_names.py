@@ -11,8 +11,8 @@ from surae.model import MODELS, ModelOptions, laboratory
 from surae.model.parameters import OPTIONAL, OPTIONAL_PARAMETERS
 from surae.model.registry import PARAMETERS
 from surae.nerve.movements import PERTURBATIONS
+from surae.planning.ready import ready_protocols
 from surae.protocol import DEVICES, PROFILES, TASKS
-from surae.protocol.planning.ready import ready_protocols
 from surae.studies.populations import POPULATIONS
 
 

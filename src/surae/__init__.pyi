@@ -40,13 +40,13 @@ from surae.model import MODELS as MODELS
 from surae.model.options import ModelOptions as ModelOptions
 from surae.nerve.answer import Impedance as Impedance
 from surae.nerve.stretches import Stretches as Stretches
+from surae.planning.design import Design as Design
+from surae.planning.expectation import Expectation as Expectation
+from surae.planning.next import NextTrial as NextTrial
+from surae.planning.session import SessionPlan as SessionPlan
 from surae.protocol import Protocol as Protocol
 from surae.protocol import Trajectory as Trajectory
 from surae.protocol import generate as generate
-from surae.protocol.planning.design import Design as Design
-from surae.protocol.planning.expectation import Expectation as Expectation
-from surae.protocol.planning.next import NextTrial as NextTrial
-from surae.protocol.planning.session import SessionPlan as SessionPlan
 from surae.quality import Finding as Finding
 from surae.quality import Quality as Quality
 from surae.recording import Inspection as Inspection

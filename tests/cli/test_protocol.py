@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.io import loadmat
 
+from surae.planning.torque import requested_limits
 from surae.protocol import Protocol, generate, named_device, read_protocol
-from surae.protocol.planning.torque import requested_limits
 
 from .conftest import refused
 from .test_startup import imported

@@ -5,7 +5,7 @@ import pytest
 
 import surae
 from surae.inference.judging.fascicles import fascicles_of
-from surae.protocol.planning.information import covariance_if_filmed
+from surae.planning.information import covariance_if_filmed
 from surae.report.budget import what_would_help
 
 TRIALS = {"PL_50_01": "dynamometer", "PL_0_01": "repeats"}

@@ -17,7 +17,7 @@ from surae.inference.least_squares.residuals import simulators
 from surae.inference.uncertainty.combined import combined
 from surae.measures.compute import evaluate, points
 from surae.model.source_table import SOURCES
-from surae.protocol.planning.legs import fit_legs
+from surae.planning.legs import fit_legs
 from surae.report.parameters import parameters_section
 from surae.report.provenance import fit_settings
 

@@ -14,9 +14,9 @@ from streaming import Quick, described, waited
 import surae
 from perturbed_ankle import Ankle
 from surae.base.errors import InputError
+from surae.planning.torque import load_of
 from surae.processes import End
 from surae.protocol import Protocol, generate, write_protocol_csv
-from surae.protocol.planning.torque import load_of
 from surae.quality import Finding, Quality
 from surae.recording import write_csv, write_hdf5
 from surae.studies import virtual_recording, virtual_subject

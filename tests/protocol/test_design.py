@@ -7,6 +7,10 @@ import pytest
 
 import surae
 from surae.base.errors import InputError
+from surae.planning.genes import REST, SHORTEST, Genes, effort_budget
+from surae.planning.legs import population_legs
+from surae.planning.plan import limits_of
+from surae.planning.torque import load_of, torques, within_torque
 from surae.protocol import (
     DEVICES,
     TASKS,
@@ -18,10 +22,6 @@ from surae.protocol import (
     write_protocol_target,
 )
 from surae.protocol.effort import effort
-from surae.protocol.planning.genes import REST, SHORTEST, Genes, effort_budget
-from surae.protocol.planning.legs import population_legs
-from surae.protocol.planning.plan import limits_of
-from surae.protocol.planning.torque import load_of, torques, within_torque
 
 QUICK = {"evaluations": 20, "rate_hz": 64.0}
 

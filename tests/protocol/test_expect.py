@@ -9,8 +9,8 @@ import pytest
 import surae
 from surae.api.designing import ready_trajectory
 from surae.base.errors import InputError
+from surae.planning.legs import population_legs
 from surae.protocol import Protocol, generate, named_device, read_protocol, write_protocol_csv
-from surae.protocol.planning.legs import population_legs
 from surae.studies import virtual_subject, virtual_trial
 
 NOISE = 0.5
@@ -51,7 +51,7 @@ def fitted_errors(trajectory, legs, tmp_path, starts=2):
         errors.append([fit.parameters[n].value / truth[n] - 1.0 for n in names])
         own = replace(population_legs("muscle", population, 1))
         own = replace(own, values=np.array([[truth[n] for n in own.spec.names]]))
-        from surae.protocol.planning.expectation import expected
+        from surae.planning.expectation import expected
 
         told = expected(trajectory, own, NOISE)
         said.append([told.parameters[n].relative_sem for n in names])

@@ -5,9 +5,9 @@ import pytest
 
 import surae
 from surae.base.errors import InputError
+from surae.planning.information import filmed, information
+from surae.planning.legs import population_legs
 from surae.protocol import Protocol, generate
-from surae.protocol.planning.information import filmed, information
-from surae.protocol.planning.legs import population_legs
 
 
 @pytest.fixture(scope="module")

@@ -10,12 +10,12 @@ from surae.api import fit_inputs
 from surae.base.errors import InputError
 from surae.inference.judging.adequacy import Grade
 from surae.inference.judging.reasons import against
+from surae.planning.design import _along
+from surae.planning.information import information, prior_precision, shared
+from surae.planning.legs import fit_legs, population_legs
+from surae.planning.next import _half_widths, known_from
+from surae.planning.ready import ready_protocols
 from surae.protocol import Protocol, generate, named_device
-from surae.protocol.planning.design import _along
-from surae.protocol.planning.information import information, prior_precision, shared
-from surae.protocol.planning.legs import fit_legs, population_legs
-from surae.protocol.planning.next import _half_widths, known_from
-from surae.protocol.planning.ready import ready_protocols
 from surae.studies import virtual_subject, virtual_trial
 
 DEVICE = named_device("achilles")

@@ -6,7 +6,7 @@ import pytest
 
 import surae
 from surae import api
-from surae.protocol.planning.torque import load_of
+from surae.planning.torque import load_of
 from surae_workbench.web.routes.protocols import limits
 
 

@@ -13,9 +13,9 @@ from surae.base.names import TELLING
 from surae.nerve.expected import _of_perturbation, series
 from surae.nerve.made import USUAL
 from surae.nerve.movements import PERTURBATIONS, REPEATS, telling
+from surae.planning.ready import ready_protocols
 from surae.protocol import Protocol, generate, named_device, write_protocol
 from surae.protocol.device import Device
-from surae.protocol.planning.ready import ready_protocols
 from surae.quality.position import perturbing
 
 

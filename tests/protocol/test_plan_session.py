@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from surae.base.errors import InputError
+from surae.planning.legs import population_legs
+from surae.planning.session import best_session
 from surae.protocol import Protocol, generate
-from surae.protocol.planning.legs import population_legs
-from surae.protocol.planning.session import best_session
 
 
 @pytest.fixture(scope="module")

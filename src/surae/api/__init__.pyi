@@ -79,6 +79,11 @@ from surae.model.parameters import OPTIONAL_PARAMETERS as OPTIONAL_PARAMETERS
 from surae.model.registry import PARAMETERS as PARAMETERS
 from surae.nerve.movements import telling as telling
 from surae.nerve.movements import telling_words as telling_words
+from surae.planning.expectation import Expectation as Expectation
+from surae.planning.plan import Plan as Plan
+from surae.planning.ready import ready_protocols as ready_protocols
+from surae.planning.torque import held_to_torque as held_to_torque
+from surae.planning.torque import requested_limits as requested_limits
 from surae.processes.runner import engine_of as engine_of
 from surae.protocol import DEVICES as DEVICES
 from surae.protocol import PROFILES as PROFILES
@@ -96,11 +101,6 @@ from surae.protocol import write_protocol_csv as write_protocol_csv
 from surae.protocol import write_protocol_mat as write_protocol_mat
 from surae.protocol import write_protocol_target as write_protocol_target
 from surae.protocol.adaptation import peaks as peaks
-from surae.protocol.planning.expectation import Expectation as Expectation
-from surae.protocol.planning.plan import Plan as Plan
-from surae.protocol.planning.ready import ready_protocols as ready_protocols
-from surae.protocol.planning.torque import held_to_torque as held_to_torque
-from surae.protocol.planning.torque import requested_limits as requested_limits
 from surae.protocol.profiles import chirp_rate as chirp_rate
 from surae.protocol.profiles import smooth_step as smooth_step
 from surae.quality import KINDS as KINDS

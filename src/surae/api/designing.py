@@ -16,6 +16,13 @@ from surae.model import ModelOptions
 from surae.model.laboratory import AUTO
 from surae.nerve.expected import expects, series
 from surae.nerve.movements import telling
+from surae.planning.design import Design, make_design
+from surae.planning.expectation import NOISE, expected
+from surae.planning.information import filmed
+from surae.planning.legs import Legs, fit_legs, noise_of, population_legs
+from surae.planning.next import NextTrial, fit_precision, measure_next_of
+from surae.planning.ready import ready_protocols, start_for
+from surae.planning.session import SessionPlan, best_session
 from surae.protocol import (
     DEVICES,
     PROFILES,
@@ -28,13 +35,6 @@ from surae.protocol import (
     read_device,
     read_protocol,
 )
-from surae.protocol.planning.design import Design, make_design
-from surae.protocol.planning.expectation import NOISE, expected
-from surae.protocol.planning.information import filmed
-from surae.protocol.planning.legs import Legs, fit_legs, noise_of, population_legs
-from surae.protocol.planning.next import NextTrial, fit_precision, measure_next_of
-from surae.protocol.planning.ready import ready_protocols, start_for
-from surae.protocol.planning.session import SessionPlan, best_session
 from surae.quality.position import perturbing
 
 #: Legs that a design is searched for, of a rigid and of a compliant model, and those that it is

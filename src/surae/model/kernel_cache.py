@@ -39,7 +39,7 @@ _KERNEL_FOLDERS = (
     "inference",
     "inference/least_squares",
     "inference/posterior",
-    "protocol/planning",
+    "planning",
 )
 #: What a source that has kernels says; they may take constants from such sources only.
 _IMPORT = b"from surae.model.jit import "

@@ -10,7 +10,7 @@ from surae.inference import AssessedFit, Assessment, LeastSquares, ParameterEsti
 from surae.inference.judging.adequacy import Grade
 from surae.inference.judging.parameter import percent
 from surae.model.source_table import SOURCES, advice
-from surae.protocol.planning.information import covariance_if_filmed
+from surae.planning.information import covariance_if_filmed
 from surae.report import block
 
 #: Share of a variance from which a source is shown, and from which it is worth a remedy.

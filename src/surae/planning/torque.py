@@ -16,11 +16,11 @@ from surae.base.errors import InputError
 from surae.base.units import FloatArray
 from surae.base.words import Message
 from surae.model.laboratory import richest
+from surae.planning.information import model_inputs
+from surae.planning.legs import Legs, population_legs
+from surae.planning.plan import EXACT, Limits, Plan, eased
 from surae.protocol import Device, Protocol, Trajectory, generate
 from surae.protocol.effort import GAP, Burst, burst_effort, task_bursts
-from surae.protocol.planning.information import model_inputs
-from surae.protocol.planning.legs import Legs, population_legs
-from surae.protocol.planning.plan import EXACT, Limits, Plan, eased
 
 #: Part of the range that is given up without asking, and the steps in which it is looked for.
 _GIVEN_UP = 0.12

@@ -16,10 +16,10 @@ import numpy as np
 
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
+from surae.planning.kernels import plan_motion
 from surae.protocol import Device, Given, Trajectory, allowed_range
 from surae.protocol.adaptation import Motion
 from surae.protocol.effort import Burst, burst_effort
-from surae.protocol.planning.kernels import plan_motion
 from surae.protocol.profiles import Ramp
 
 #: What has bursts, and can be asked for with less effort.

@@ -12,11 +12,11 @@ from surae.base.frozen import Comparable
 from surae.base.records import from_plain, read_json
 from surae.base.units import FloatArray
 from surae.base.words import N_
+from surae.planning.genes import Genes
+from surae.planning.legs import Legs
+from surae.planning.plan import highest_hz, limits_of
+from surae.planning.torque import within_torque
 from surae.protocol import Device, Trajectory
-from surae.protocol.planning.genes import Genes
-from surae.protocol.planning.legs import Legs
-from surae.protocol.planning.plan import highest_hz, limits_of
-from surae.protocol.planning.torque import within_torque
 
 _FILES = Path(__file__).parent / "ready"
 #: What each file is good for.

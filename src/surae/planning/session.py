@@ -27,9 +27,9 @@ from surae.model.laboratory import laboratory
 from surae.model.parameters import CROSSTALK
 from surae.model.registry import get_model
 from surae.model.statements import StatedArm, StatedAxis
+from surae.planning.information import information, shared
+from surae.planning.legs import Legs
 from surae.protocol import Trajectory
-from surae.protocol.planning.information import information, shared
-from surae.protocol.planning.legs import Legs
 from surae.recording.described import ALONE, EMPTY
 
 #: Minutes between two trials, and what a step takes beside its trial; what crosstalk is known to

@@ -11,9 +11,9 @@ import numpy as np
 
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
+from surae.planning.plan import Limits, Plan, Shake
 from surae.protocol import DIRECTIONS, TASKS
 from surae.protocol.effort import GAP, Burst, head_share, task_bursts
-from surae.protocol.planning.plan import Limits, Plan, Shake
 from surae.protocol.profiles import BLEND, Ramp
 
 #: Still and relaxed at both ends of a trial [s].

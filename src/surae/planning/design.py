@@ -17,15 +17,15 @@ from surae.base.records import Plain
 from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
 from surae.base.words import Message
+from surae.planning.expectation import Expectation, expected
+from surae.planning.genes import Genes
+from surae.planning.information import SINGULAR, information, prior_precision
+from surae.planning.legs import Legs
+from surae.planning.plan import Limits, Plan, eased, highest_hz, limits_of
+from surae.planning.ready import Ready
+from surae.planning.search import MEAN, SEARCH_RATE, WORST, make_aim, search
+from surae.planning.torque import within_torque
 from surae.protocol import Device, Trajectory, write_protocol
-from surae.protocol.planning.expectation import Expectation, expected
-from surae.protocol.planning.genes import Genes
-from surae.protocol.planning.information import SINGULAR, information, prior_precision
-from surae.protocol.planning.legs import Legs
-from surae.protocol.planning.plan import Limits, Plan, eased, highest_hz, limits_of
-from surae.protocol.planning.ready import Ready
-from surae.protocol.planning.search import MEAN, SEARCH_RATE, WORST, make_aim, search
-from surae.protocol.planning.torque import within_torque
 
 #: Part of the device's torque that the search keeps to, for legs stronger than those it sees.
 _RESERVE = 0.93

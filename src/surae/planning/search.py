@@ -19,9 +19,9 @@ from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
 from surae.inference.interrupt import checkpoint, postponed_interrupt
 from surae.measures import measures_of_values
-from surae.protocol.planning.genes import Genes
-from surae.protocol.planning.information import information
-from surae.protocol.planning.legs import Legs
+from surae.planning.genes import Genes
+from surae.planning.information import information
+from surae.planning.legs import Legs
 
 #: Aims that are about all parameters: the largest error, or the mean of the errors' logarithms.
 WORST = "worst"

@@ -19,10 +19,10 @@ from surae.inference import AssessedFit, Assessment
 from surae.inference.judging.adequacy import Grade
 from surae.inference.judging.parameter import IDENTIFIED, Verdict, percent
 from surae.inference.uncertainty.covariance import half_width
+from surae.planning.information import estimated, information, shared
+from surae.planning.legs import Legs
+from surae.planning.ready import Ready, ready_protocols
 from surae.protocol import Device, Trajectory, write_protocol
-from surae.protocol.planning.information import estimated, information, shared
-from surae.protocol.planning.legs import Legs
-from surae.protocol.planning.ready import Ready, ready_protocols
 
 #: Rate of the trials that are judged [Hz].
 _RATE_HZ = 256.0

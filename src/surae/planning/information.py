@@ -19,8 +19,8 @@ from surae.inference.uncertainty.combined import Uncertainty
 from surae.inference.uncertainty.covariance import Covariance, covariance
 from surae.model import ModelSpec, with_optional
 from surae.model.laboratory import laboratory
+from surae.planning.legs import Legs
 from surae.protocol import Trajectory
-from surae.protocol.planning.legs import Legs
 from surae.recording.recording import FILMED
 from surae.signals import ModelInputs, inputs_as_given, thinned
 

@@ -20,10 +20,10 @@ from surae.inference.uncertainty.covariance import Covariance, half_width
 from surae.model import adapted
 from surae.model.joint import ANKLE
 from surae.model.source_table import SOURCES, source_of
+from surae.planning.information import estimated, information, prior_precision
+from surae.planning.legs import Legs
+from surae.planning.torque import Load, load_of
 from surae.protocol import Trajectory
-from surae.protocol.planning.information import estimated, information, prior_precision
-from surae.protocol.planning.legs import Legs
-from surae.protocol.planning.torque import Load, load_of
 
 #: Standard deviation of the torque's noise [Nm], white, sample by sample: that of a good sensor.
 NOISE = 0.5

@@ -44,7 +44,7 @@ class Legs(Comparable):
     emg_full: FloatArray
     emg_unit: str = "V"  #: "V", "1": Volts, or a normalised envelope.
     of_fit: bool = False  #: Whether they are what one fit leaves possible.
-    films: tuple[str, ...] = ()  #: Muscles that are filmed (`surae.protocol.planning.information`).
+    films: tuple[str, ...] = ()  #: Muscles that are filmed (`surae.planning.information`).
 
     @property
     def own(self) -> tuple[str, ...]:
