@@ -192,7 +192,7 @@ def _met(
 ) -> Iterator[tuple[bool, Message]]:
     """What was met, and whether it makes the numbers doubtful."""
     for name in estimate.rest.tonic:
-        yield True, Message("relaxed/tone", trial=name)
+        yield False, Message("relaxed/tone", trial=name)
     if estimate.rest.by == "declared":
         yield False, Message("relaxed/declared")
     if readings["plate"] > _LIKELY:

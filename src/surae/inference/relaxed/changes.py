@@ -17,7 +17,7 @@ _APART = 0.5
 _FROM_END = 3.0
 #: Logarithm of the posterior odds from which on a step is one: a step that is none takes what it
 #: explains from the relaxation, and a slip that is none is the short-range stiffness at a start.
-_SURE = {"step": 5.0, "slip": 12.0}
+_SURE = {"step": 5.0, "slip": 40.0}
 #: Blocks with the largest innovations of the noise, at which a step is tried too.
 _JUMPS = 40
 #: Columns of steps at most: one that falls within a block has two.

@@ -29,7 +29,7 @@ _VARIES = 3.0
 #: than a filter's width, and lets go within 1.5 s (Cavanagh and Komi 1979; activation at 2 Hz).
 _BEFORE = 0.3
 _AFTER = 1.5
-#: Part of a trial in which a level above rest is a tone that does not stop, and no effort.
+#: Part of a trial in which EMG is above rest from which on the muscle never rests there.
 _TONIC = 0.9
 
 
@@ -74,7 +74,7 @@ def rest_of(trials: Sequence[ModelInputs]) -> Rest:
     tonic = tuple(
         trial.name
         for share, trial in zip(above, trials, strict=True)
-        if (share > REST_SHARE).mean() > _TONIC and float(np.quantile(share, _LARGEST)) < 1.0
+        if (share > REST_SHARE).mean() > _TONIC
     )
     return Rest(tuple(~mask for mask in masks), by, tonic)
 
