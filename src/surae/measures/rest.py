@@ -10,7 +10,16 @@ from surae.base.units import FloatArray
 from surae.base.words import Message
 from surae.inference import Grade, Verdict
 from surae.inference.parameter import IDENTIFIED, percent
-from surae.inference.relaxed.curve import LEFT_OUT, SLOW_FROM, Legs, RelaxedCurve, slow_features
+from surae.inference.relaxed.basis import Basis
+from surae.inference.relaxed.curve import (
+    BEYOND,
+    LEFT_OUT,
+    SLOW_FROM,
+    SLOW_SPEED,
+    Legs,
+    RelaxedCurve,
+    slow_features,
+)
 from surae.inference.relaxed.regressors import TAUS, lags
 from surae.measures.measure import Measure
 
@@ -23,12 +32,14 @@ _LAST = 10.0
 _REACHES = 1.5
 #: Degrees from the start of a slow stretch before it tells a slope.
 _ON_ITS_WAY = 10.0
-#: A stretch to 10° and back to −20° at 10°/s, in steps of so many degrees.
-_LOOP = (-20.0, 10.0, 10.0, 0.25)
+#: Degrees between two samples of a stretch and its return.
+_LOOP_STEP = 0.25
 #: Seconds after which the part that has relaxed is given.
 _RELAXED = 10.0
-#: What three times of relaxation leave out of that part, one standard deviation.
-_SHARE_LEFT_OUT = 0.12
+#: What three times of relaxation leave out of that part, and of the work that a loop takes (a
+#: friction, a velocity), one standard deviation: set on 42 virtual legs of another author.
+_SHARE_LEFT_OUT = 0.2
+_LOOP_LEFT_OUT = 0.3
 #: Half-width up to which an angle is known, and above which it is not [deg].
 _ANGLE = 2.0
 _ANY_ANGLE = 20.0
@@ -228,25 +239,22 @@ def _of_time(curve: RelaxedCurve, legs: Legs) -> Iterator[_Asked]:
     loop = _Asked(
         "hysteresis",
         "%",
-        "Energy that the relaxed ankle takes from a slow stretch from −20° to 10° and back, at "
-        "10°/s, as a part of the work of the way there.",
+        "Energy that the relaxed ankle takes from a slow stretch from −30° to the end of the "
+        "dorsiflexion that was moved and back, at 5°/s, as a part of the work of the way there.",
+        span=(SLOW_FROM, curve.moved[1]),
     )
-    first, last = (end - curve.zero_deg for end in _LOOP[:2])
-    if curve.low > first + _REACHES or curve.high < last - _REACHES:
-        yield replace(
-            loop,
-            missing=Message(
-                "none/rest-short", low=curve.low, high=curve.high, first=first, last=last
-            ),
-        )
+    if curve.high < curve.moved[1] - _REACHES or curve.high < SLOW_FROM + _ON_ITS_WAY:
+        low, high = curve.moved
+        why = Message("none/rest-short", low=curve.low, high=curve.high, first=low, last=high)
+        yield replace(loop, missing=why)
         return
-    lost = _hysteresis(curve, legs)
+    lost = _hysteresis(curve, legs) * legs.scale ** (_LOOP_LEFT_OUT / LEFT_OUT)
     yield replace(loop, device=lost, ankle=lost)
 
 
 def _hysteresis(curve: RelaxedCurve, legs: Legs) -> FloatArray:
     """100·∮T dθ/∫(T − T₀) dθ of the way there, T₀ the torque at its start."""
-    elastic, lagging, angle = _loop_features(curve.low, curve.high, curve.zero_deg)
+    elastic, lagging, angle = _loop_features(curve.low, curve.high, curve.moved[1])
     torque = legs.weights @ elastic.T
     for k, each in enumerate(lagging):
         torque = torque + legs.gamma[:, [k]] * (legs.weights @ each.T)
@@ -259,15 +267,12 @@ def _hysteresis(curve: RelaxedCurve, legs: Legs) -> FloatArray:
 
 @lru_cache(maxsize=16)
 def _loop_features(
-    low: float, high: float, zero: float
+    low: float, high: float, end: float
 ) -> tuple[FloatArray, list[FloatArray], FloatArray]:
-    from surae.inference.relaxed.basis import Basis
-
-    first, last, speed, step = _LOOP
-    there = np.arange(first, last + 0.5 * step, step) - zero
+    there = np.arange(SLOW_FROM, end + 0.5 * _LOOP_STEP, _LOOP_STEP)
     angle = np.concatenate([there, there[-2::-1]])
-    elastic = Basis(low, high).features(angle)
-    return elastic, lags(elastic, speed / step), angle
+    elastic = Basis(low, high).features(np.clip(angle, low - BEYOND, high + BEYOND))
+    return elastic, lags(elastic, SLOW_SPEED / _LOOP_STEP), angle
 
 
 def _relaxed_torque(curve: RelaxedCurve, legs: Legs, at: FloatArray) -> FloatArray:

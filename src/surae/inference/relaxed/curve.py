@@ -26,7 +26,7 @@ SLOW_SPEED = 5.0
 SLOW_FROM = -30.0
 _STEP = 0.2
 #: The curve is asked up to so many degrees beyond what rested.
-_BEYOND = 12.0
+BEYOND = 12.0
 #: A relaxed angle was passed where three of four bins of this width around it [deg] hold rest for
 #: so many seconds each, all together so many, and the leg rests for so many: of 82 virtual legs
 #: those that come to less miss more often.
@@ -187,7 +187,7 @@ class RelaxedCurve(Comparable):
 
     def _within(self, degrees: npt.ArrayLike) -> FloatArray:
         at = np.atleast_1d(np.asarray(degrees, dtype=float))
-        return np.asarray(np.clip(at, self.low - _BEYOND, self.high + _BEYOND))
+        return np.asarray(np.clip(at, self.low - BEYOND, self.high + BEYOND))
 
     def _linear(self, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
         p = self.basis.size
@@ -224,8 +224,8 @@ class RelaxedCurve(Comparable):
 def slow_features(low: float, high: float) -> tuple[FloatArray, FloatArray, list[FloatArray]]:
     """Angles [deg] of a slow stretch, the curve's features there, and their lags."""
     basis = Basis(low, high)
-    angles = np.arange(SLOW_FROM, max(high + _BEYOND, SLOW_FROM + 1.0), _STEP)
-    elastic = basis.features(np.clip(angles, low - _BEYOND, high + _BEYOND))
+    angles = np.arange(SLOW_FROM, max(high + BEYOND, SLOW_FROM + 1.0), _STEP)
+    elastic = basis.features(np.clip(angles, low - BEYOND, high + BEYOND))
     return angles, elastic, lags(elastic, SLOW_SPEED / _STEP)
 
 
