@@ -37,9 +37,9 @@ _NO_REFLEX = 0.02
 #: Prior of relaxation: ln γ, and its standard deviation (a third of the elastic torque relaxes,
 #: within a factor of two, over three times).
 _GAMMA = (math.log(0.12), 0.7)
-#: How unsure the ankle's zero is where nobody measured it [deg] (Konor et al. 2012: a goniometer's
-#: standard error is 1.8 to 2.8°).
-_ANGLE_ZERO = 2.0
+#: How unsure the ankle's zero is where nobody measured it [deg], as in a fit (Konor et al. 2012: a
+#: goniometer's standard error is 1.8 to 2.8°).
+_ANGLE_ZERO = 2.5
 #: Prior probabilities: an unstated plate, a reflex, zeros of trials apart.
 _ODDS_PLATE = 0.03
 _ODDS_REFLEX = 0.1
