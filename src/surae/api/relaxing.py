@@ -52,7 +52,13 @@ class Relaxed(Tabular):
 
     @property
     def findings(self) -> tuple[str, ...]:
-        """What was met, in sentences, the gravest first."""
+        """What was met, in sentences, the gravest first.
+
+        Returns
+        -------
+        tuple of str
+            Empty where nothing was.
+        """
         return self.curve.findings
 
     def as_table(self) -> TextTable:
@@ -151,14 +157,31 @@ class Relaxed(Tabular):
         self.page(language).write(path)
 
     def page(self, language: str = "en") -> "Report":
-        """The page of it, to be written as HTML or PDF."""
+        """The page of it, to be written as HTML or PDF.
+
+        Parameters
+        ----------
+        language : str
+            As of `report`.
+
+        Returns
+        -------
+        Report
+            With its figure.
+        """
         from surae.report.relaxed import relaxed_report  # matplotlib
 
         created = datetime.now().astimezone()
         return relaxed_report(self.curve, self.measures, created=created, language=language)
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain data, as R.json has it."""
+        """Plain data, as R.json has it.
+
+        Returns
+        -------
+        dict
+            Grade, findings, measures, and the posterior of the curve.
+        """
         curve = to_plain(self.curve)
         return {
             "surae": __version__,

@@ -16,7 +16,7 @@ from surae.inference.relaxed.curve import (
     LEFT_OUT,
     SLOW_FROM,
     SLOW_SPEED,
-    Legs,
+    PossibleLegs,
     RelaxedCurve,
     slow_features,
 )
@@ -80,7 +80,9 @@ def measures_of_rest(
     return tuple(_measure(each, curve, legs.share) for each in asked)
 
 
-def _at_angles(curve: RelaxedCurve, legs: Legs, angles: Sequence[float]) -> Iterator[_Asked]:
+def _at_angles(
+    curve: RelaxedCurve, legs: PossibleLegs, angles: Sequence[float]
+) -> Iterator[_Asked]:
     kinds: tuple[tuple[str, str, str, Callable[..., FloatArray], bool], ...] = (
         (
             "passive_torque",
@@ -138,7 +140,7 @@ def _withheld(curve: RelaxedCurve, at: float, slow: bool) -> Message | None:
     return Message("none/rest-beyond", degrees=at, low=curve.low, high=curve.high)
 
 
-def _of_range(curve: RelaxedCurve, legs: Legs) -> Iterator[_Asked]:
+def _of_range(curve: RelaxedCurve, legs: PossibleLegs) -> Iterator[_Asked]:
     low, high = curve.moved
     last = max(low, high - _LAST)
     ends = {
@@ -183,7 +185,7 @@ def _of_range(curve: RelaxedCurve, legs: Legs) -> Iterator[_Asked]:
     yield from _at_torques(curve, legs)
 
 
-def _at_torques(curve: RelaxedCurve, legs: Legs) -> Iterator[_Asked]:
+def _at_torques(curve: RelaxedCurve, legs: PossibleLegs) -> Iterator[_Asked]:
     """Angles at which torques are reached, and how stiff the ankle is there."""
     degrees = np.arange(curve.low, curve.high + 0.25, 0.5)
     torque = legs.scale[:, None] * (legs.weights @ curve.basis.features(degrees).T)
@@ -227,7 +229,7 @@ def _crossing(degrees: FloatArray, torque: FloatArray, wanted: float) -> FloatAr
     return made
 
 
-def _of_time(curve: RelaxedCurve, legs: Legs) -> Iterator[_Asked]:
+def _of_time(curve: RelaxedCurve, legs: PossibleLegs) -> Iterator[_Asked]:
     """What relaxes, and what a stretch to and fro takes."""
     gone = 1.0 - np.exp(-_RELAXED / np.array(TAUS))
     share = 100.0 * (legs.gamma @ gone) / (1.0 + legs.gamma.sum(axis=1))
@@ -255,7 +257,7 @@ def _of_time(curve: RelaxedCurve, legs: Legs) -> Iterator[_Asked]:
     yield replace(loop, device=lost, ankle=lost)
 
 
-def _hysteresis(curve: RelaxedCurve, legs: Legs) -> FloatArray:
+def _hysteresis(curve: RelaxedCurve, legs: PossibleLegs) -> FloatArray:
     """100·∮T dθ/∫(T − T₀) dθ of the way there, T₀ the torque at its start."""
     elastic, lagging, angle = _loop_features(curve.low, curve.high, curve.moved[1])
     torque = legs.weights @ elastic.T
@@ -278,15 +280,15 @@ def _loop_features(
     return elastic, lags(elastic, SLOW_SPEED / _LOOP_STEP), angle
 
 
-def _relaxed_torque(curve: RelaxedCurve, legs: Legs, at: FloatArray) -> FloatArray:
+def _relaxed_torque(curve: RelaxedCurve, legs: PossibleLegs, at: FloatArray) -> FloatArray:
     return _rowwise(curve.basis.features(at), legs.weights)
 
 
-def _relaxed_stiffness(curve: RelaxedCurve, legs: Legs, at: FloatArray) -> FloatArray:
+def _relaxed_stiffness(curve: RelaxedCurve, legs: PossibleLegs, at: FloatArray) -> FloatArray:
     return _rowwise(curve.basis.slopes(at), legs.weights)
 
 
-def _slow_torque(curve: RelaxedCurve, legs: Legs, at: FloatArray) -> FloatArray:
+def _slow_torque(curve: RelaxedCurve, legs: PossibleLegs, at: FloatArray) -> FloatArray:
     angles, elastic, lagging = slow_features(curve.low, curve.high)
     place = np.clip((at - angles[0]) / (angles[1] - angles[0]), 0, len(angles) - 1.001)
     i = place.astype(int)
@@ -298,7 +300,7 @@ def _slow_torque(curve: RelaxedCurve, legs: Legs, at: FloatArray) -> FloatArray:
     return torque
 
 
-def _slow_stiffness(curve: RelaxedCurve, legs: Legs, at: FloatArray) -> FloatArray:
+def _slow_stiffness(curve: RelaxedCurve, legs: PossibleLegs, at: FloatArray) -> FloatArray:
     return 0.5 * (_slow_torque(curve, legs, at + 1.0) - _slow_torque(curve, legs, at - 1.0))
 
 

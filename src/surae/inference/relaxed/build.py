@@ -11,7 +11,7 @@ from surae.base.units import FloatArray
 from surae.base.words import Message
 from surae.inference.adequacy import Grade
 from surae.inference.relaxed.context import UNKNOWN, Laboratory
-from surae.inference.relaxed.curve import RelaxedCurve, RestingTrial, RestSamples, Step
+from surae.inference.relaxed.curve import Jump, RelaxedCurve, RestingTrial, RestSamples
 from surae.inference.relaxed.estimate import Estimate, estimated
 from surae.inference.relaxed.noise import variance
 from surae.inference.relaxed.regressors import TAUS, Blocks
@@ -139,12 +139,12 @@ def _readings(estimate: Estimate) -> dict[str, float]:
 
 def _steps(
     estimate: Estimate, names: Sequence[str], context: dict[str, tuple[float, float]]
-) -> tuple[Step, ...]:
+) -> tuple[Jump, ...]:
     """The steps that were found; one within a block, which has two columns, as one."""
-    made: list[Step] = []
+    made: list[Jump] = []
     for k, change in sorted(enumerate(estimate.changes), key=lambda each: each[1].time):
         value, sd = context.pop(f"{change.kind}_{k}")
-        step = Step(change.kind, names[change.trial], change.time, value, sd)
+        step = Jump(change.kind, names[change.trial], change.time, value, sd)
         before = made[-1] if made else step
         alike = (before.kind, before.trial) == (step.kind, step.trial)
         if made and alike and step.time - before.time < _ONE_STEP:
@@ -186,7 +186,7 @@ def _grave(noise: float, rise: float, seconds: float) -> Iterator[tuple[bool, Me
 def _met(
     estimate: Estimate,
     readings: dict[str, float],
-    steps: Sequence[Step],
+    steps: Sequence[Jump],
     context: dict[str, tuple[float, float]],
     known_plate: bool,
 ) -> Iterator[tuple[bool, Message]]:

@@ -27,7 +27,7 @@ _SIZES = {"step": STEP, "slip": SLIP}
 
 
 @dataclass(frozen=True, slots=True)
-class Change:
+class JumpColumn:
     """A step in mid-trial."""
 
     kind: str  #: ``"step"`` of the torque's zero [Nm], ``"slip"`` of the angle [deg].
@@ -36,7 +36,7 @@ class Change:
     log_odds: float  #: Logarithm of the posterior odds that there is one.
 
 
-def likeliest_change(data: Whitened, mode: Mode) -> Change | None:
+def likeliest_change(data: Whitened, mode: Mode) -> JumpColumn | None:
     """The step that the data speak most for; None where they rather speak for none.
 
     A column u beside those of the posterior, its size s ~ N(0, S²): the Bayes factor is that of
@@ -48,7 +48,7 @@ def likeliest_change(data: Whitened, mode: Mode) -> Change | None:
     if not places:
         return None
     half = solve_triangular(mode.factor, jacobian(data, mode.z).T / mode.sigma, lower=True)
-    best: Change | None = None
+    best: JumpColumn | None = None
     for kind, size in _SIZES.items():
         steps = _white(data, [column(columns, kind, trial, time, mode) for trial, time in places])
         b = steps.T @ r / mode.sigma**2
@@ -60,11 +60,11 @@ def likeliest_change(data: Whitened, mode: Mode) -> Change | None:
         at = int(np.argmax(log_odds))
         enough = log_odds[at] > _SURE[kind]
         if enough and (best is None or log_odds[at] > best.log_odds):
-            best = Change(kind, places[at][0], places[at][1], float(log_odds[at]))
+            best = JumpColumn(kind, places[at][0], places[at][1], float(log_odds[at]))
     return best
 
 
-def with_change(columns: Columns, change: Change, mode: Mode, number: int) -> Columns:
+def with_change(columns: Columns, change: JumpColumn, mode: Mode, number: int) -> Columns:
     """The columns, and one of the step."""
     made = column(columns, change.kind, change.trial, change.time, mode)
     return replace(

@@ -52,7 +52,7 @@ class RestingTrial:
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class Jump:
     """A step in mid-trial that was found, and taken off."""
 
     kind: str  #: ``"step"`` of the torque's zero [Nm], ``"slip"`` of the foot [deg].
@@ -74,8 +74,8 @@ class RestSamples(Comparable):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Legs(Comparable):
-    """Legs that rest leaves possible; arrays of shape (n, …)."""
+class PossibleLegs(Comparable):
+    """PossibleLegs that rest leaves possible; arrays of shape (n, …)."""
 
     share: FloatArray  #: Weight of each, which sum to one.
     weights: FloatArray  #: Of the curve's features [Nm].
@@ -109,7 +109,7 @@ class RelaxedCurve(Comparable):
     readings: Mapping[str, float]
     noise: float  #: Standard deviation of the noise, correlated or not [Nm].
     trials: tuple[RestingTrial, ...]
-    steps: tuple[Step, ...]
+    steps: tuple[Jump, ...]
     grade: Grade  #: Of rest alone.
     findings: tuple[str, ...]  #: What was met, in sentences, the gravest first.
     samples: RestSamples  #: What was measured.
@@ -174,7 +174,7 @@ class RelaxedCurve(Comparable):
         to = np.hstack([-np.eye(n), np.eye(n)]) / 2.0
         return to @ both, to @ covariance @ to.T
 
-    def draws(self) -> Legs:
+    def draws(self) -> PossibleLegs:
         """Possible legs, always the same: the parts' own, weighted, in mirrored pairs."""
         return _drawn(self)
 
@@ -230,7 +230,7 @@ def slow_features(low: float, high: float) -> tuple[FloatArray, FloatArray, list
 
 
 @lru_cache(maxsize=16)
-def _drawn(curve: RelaxedCurve) -> Legs:
+def _drawn(curve: RelaxedCurve) -> PossibleLegs:
     p = curve.basis.size
     random = np.random.default_rng(_SEED)
     m = p + len(TAUS)
@@ -242,7 +242,7 @@ def _drawn(curve: RelaxedCurve) -> Legs:
         z.append(mean + normal[:, :m] @ factor.T)
     every = np.vstack(z)
     parts = len(z)
-    return Legs(
+    return PossibleLegs(
         np.repeat(np.asarray(curve.share) / _DRAWS, _DRAWS),
         every[:, :p],
         np.exp(np.clip(every[:, p:], -9.0, 2.0)),

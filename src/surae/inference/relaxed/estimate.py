@@ -8,7 +8,7 @@ import numpy as np
 
 from surae.base.units import FloatArray
 from surae.inference.relaxed.basis import Basis
-from surae.inference.relaxed.changes import MOST, Change, likeliest_change, with_change
+from surae.inference.relaxed.changes import MOST, JumpColumn, likeliest_change, with_change
 from surae.inference.relaxed.context import (
     Hypothesis,
     Laboratory,
@@ -53,7 +53,7 @@ class Estimate:
     trials: tuple[Blocks, ...]  #: All of them, those without rest too.
     columns: Columns
     data: Whitened
-    changes: tuple[Change, ...]
+    changes: tuple[JumpColumn, ...]
     parts: tuple[Part, ...]
     hypotheses: tuple[tuple[Hypothesis, float], ...]  #: Each with its posterior probability.
 
@@ -72,7 +72,7 @@ def estimated(trials: Sequence[ModelInputs], laboratory: Laboratory) -> Estimate
     offset = float(columns.torque.mean())
     first = max(every, key=lambda each: each.odds)
     data, mode = _with_noise(columns, first, offset, None)
-    changes: list[Change] = []
+    changes: list[JumpColumn] = []
     while len(changes) < MOST and (change := likeliest_change(data, mode)) is not None:
         columns = with_change(columns, change, mode, len(changes))
         changes.append(change)
