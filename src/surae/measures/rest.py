@@ -342,7 +342,7 @@ def _measure(asked: _Asked, curve: RelaxedCurve, share: FloatArray) -> Measure:
     return replace(
         bare,
         value=value,
-        ci95=(min(low, value), max(high, value)),
+        ci95=(min(low, first), max(high, last)),  # the zero makes nothing surer
         ci95_repeat=(first, last),
         ci95_device=(first, last) if asked.at_angle else None,
         verdict=verdict,
