@@ -276,3 +276,11 @@ def test_holds_of_several_trials_tell_with_one_zero() -> None:
     sd = np.sqrt(V[0, 0] + V[1, 1] - 2.0 * V[0, 1])
     assert abs(mean[1] - mean[0] - (ankle.torque(18.0) - ankle.torque(0.0))) < 2.0 * sd
     assert sd < 1.5
+
+
+def test_trials_with_zeros_of_their_own_are_said() -> None:
+    one = measured(name="one")
+    other = measured(Ankle(zero=-3.0), seed=3, name="other")
+    assert "relaxed/apart" in codes(surae.relaxed([one, other]))
+    alike = measured(seed=3, name="other")
+    assert "relaxed/apart" not in codes(surae.relaxed([one, alike]))

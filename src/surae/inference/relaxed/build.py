@@ -202,6 +202,8 @@ def _met(
         yield True, Message("relaxed/heavy", inertia=1e3 * context["inertia"][0])
     if readings["reflex"] > _LIKELY:
         yield True, Message("relaxed/reflex")
+    if readings["apart"] > _LIKELY:
+        yield False, Message("relaxed/apart")
     for step in steps:
         yield (
             False,
