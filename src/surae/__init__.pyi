@@ -2,6 +2,7 @@
 
 from surae._version import __version__ as __version__
 from surae.api import Fit as Fit
+from surae.api import Relaxed as Relaxed
 from surae.api import Session as Session
 from surae.api import SessionResult as SessionResult
 from surae.api import change as change
@@ -19,6 +20,7 @@ from surae.api import measure_next as measure_next
 from surae.api import plan_session as plan_session
 from surae.api import posterior as posterior
 from surae.api import profile as profile
+from surae.api import relaxed as relaxed
 from surae.api import session as session
 from surae.api import simulate as simulate
 from surae.api import simulate_parts as simulate_parts

@@ -28,6 +28,9 @@ from surae.api.recordings import check as check
 from surae.api.recordings import check_together as check_together
 from surae.api.recordings import checks_for as checks_for
 from surae.api.recordings import example as example
+from surae.api.relaxing import REST_ANGLES as REST_ANGLES
+from surae.api.relaxing import Relaxed as Relaxed
+from surae.api.relaxing import relaxed as relaxed
 from surae.api.session_result import SessionResult as SessionResult
 from surae.api.session_result import load_session as load_session
 from surae.api.session_run import Step as Step

@@ -47,7 +47,7 @@ class Plots:
         """Measured and modelled torque against time."""
         from surae.report.figures.torque import draw_torque
 
-        axes = _axes(ax)
+        axes = axes_of(ax)
         traces = self._traces(recording)
         draw_torque((axes,), traces)
         axes.set_xlabel("Time [s]")
@@ -57,7 +57,7 @@ class Plots:
         """What the modelled torque is made of, against time."""
         from surae.report.figures.torque import draw_parts
 
-        axes = _axes(ax)
+        axes = axes_of(ax)
         traces = self._traces(recording)
         draw_parts((axes,), traces)
         return axes
@@ -67,7 +67,7 @@ class Plots:
         from surae.report.figures import INK, dress, shade_excluded, trace
 
         traces = self._traces(recording)
-        axes = _axes(ax)
+        axes = axes_of(ax)
         dress(axes, "Measured − modelled [Nm]", "Time [s]")
         trace(axes, traces.time, traces.residual, color=INK, linewidth=0.7)
         shade_excluded(axes, traces.time, traces.excluded)
@@ -112,7 +112,7 @@ def _figure() -> "Figure":
     return pyplot.figure(layout="constrained")
 
 
-def _axes(given: "Axes | None") -> "Axes":
+def axes_of(given: "Axes | None") -> "Axes":
     """The axes to draw on, of a new figure where none are given."""
     if given is not None:
         return given

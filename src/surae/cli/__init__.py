@@ -36,6 +36,7 @@ COMMANDS = {
     "fit": ("surae.cli.fit", "Estimate a model's parameters from recordings."),
     "session": ("surae.cli.session", "Fit the trials of one leg, each and all together."),
     "measures": ("surae.cli.measures", "Compute stiffness, torque and more in Nm and degrees."),
+    "relaxed": ("surae.cli.relaxed", "Measure a relaxed ankle, from rest alone, without a model."),
     "impedance": ("surae.cli.impedance", "Tell tissue from reflex by small perturbations."),
     "stretches": ("surae.cli.stretches", "Take slow and fast stretches apart: tissue and nerve."),
     "export": ("surae.cli.export", "Write the leg as a model of OpenSim or MuJoCo."),

@@ -16,7 +16,7 @@ from surae.base.tables import Tabular, TextTable
 from surae.inference import Adequacy, Verdict
 
 
-@filed("name", sparse=("from_deg", "to_deg"))
+@filed("name", sparse=("from_deg", "to_deg", "ci95_device"))
 @dataclass(frozen=True, slots=True, repr=False)
 class Measure:
     """One measure of a fit."""
@@ -39,6 +39,11 @@ class Measure:
     #: angle [deg]; None for others.
     from_deg: float | None = None
     to_deg: float | None = None
+    #: ``"rest"``: of the relaxed curve, which no muscle's parameter touches; ``"model"``: of a fit.
+    basis: str = "model"
+    #: 95 % interval at the angle as the device shows it, of one at a stated angle by rest; `ci95`
+    #: has the error of the angle's zero too.
+    ci95_device: tuple[float, float] | None = None
 
     def __repr__(self) -> str:
         if self.value is None:

@@ -23,6 +23,9 @@ MEASURES = {
     "passive_stiffness": N_("Stiffness at rest, {at}"),
     "slow_torque": N_("Torque in a slow stretch, {at}"),
     "slow_stiffness": N_("Stiffness in a slow stretch, {at}"),
+    "range_at_torque": N_("Angle reached with {at}"),
+    "stiffness_at_torque": N_("Stiffness at rest, with {at}"),
+    "hysteresis": N_("Part of the work that a stretch and its return take"),
     "neutral_angle": N_("Resting angle"),
     "relaxed_share": N_("Part that relaxes within {at}"),
     "active_torque_max_tri": N_("Calf strength used, {at}"),
@@ -119,10 +122,12 @@ class Words:
         return self(MEASURES[base], at=self.point(name)) if base in MEASURES else name
 
     def point(self, name: str) -> str:
-        """The angle or the time at which a measure is given."""
+        """The angle, torque or time at which a measure is given."""
         at = name.partition("@")[2]
         if at.endswith("deg"):
             return self.angle(float(at.removesuffix("deg")))
+        if at.endswith("Nm"):
+            return f"{at.removesuffix('Nm')} Nm"
         return f"{at.removesuffix('s')} s"
 
     def finding(self, finding: Finding) -> str:

@@ -1,0 +1,106 @@
+"""Steps in mid-trial: of the torque's zero, or of the foot on its plate, found by the evidence."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import solve_triangular
+
+from surae.base.units import FloatArray
+from surae.inference.relaxed.context import SLIP, STEP
+from surae.inference.relaxed.noise import whitened
+from surae.inference.relaxed.posterior import Mode, Whitened, jacobian, residual
+from surae.inference.relaxed.regressors import Columns
+
+#: Prior odds of a step at any time of a trial, so many seconds apart, as far from the ends of rest.
+_ODDS = 0.02
+_APART = 0.5
+_FROM_END = 3.0
+#: Logarithm of the posterior odds from which on a step is one: a step that is none takes what it
+#: explains from the relaxation, and a slip that is none is the short-range stiffness at a start.
+_SURE = {"step": 5.0, "slip": 40.0}
+#: Blocks with the largest innovations of the noise, at which a step is tried too.
+_JUMPS = 40
+#: Columns of steps at most: one that falls within a block has two.
+MOST = 6
+#: What steps, and how large they are expected to be.
+_SIZES = {"step": STEP, "slip": SLIP}
+
+
+@dataclass(frozen=True, slots=True)
+class JumpColumn:
+    """A step in mid-trial."""
+
+    kind: str  #: ``"step"`` of the torque's zero [Nm], ``"slip"`` of the angle [deg].
+    trial: int  #: Number of the trial.
+    time: float  #: When [s].
+    log_odds: float  #: Logarithm of the posterior odds that there is one.
+
+
+def likeliest_change(data: Whitened, mode: Mode) -> JumpColumn | None:
+    """The step that the data speak most for; None where they rather speak for none.
+
+    A column u beside those of the posterior, its size s ~ N(0, S²): the Bayes factor is that of
+    linear Gaussian models, ½b²/d − ½ln(d·S²), with b = u'r/σ² and d = u'(I − JA⁻¹J'/σ²)u/σ² + S⁻².
+    """
+    columns = data.columns
+    r = residual(data, mode.z)
+    places = _places(columns, r)
+    if not places:
+        return None
+    half = solve_triangular(mode.factor, jacobian(data, mode.z).T / mode.sigma, lower=True)
+    best: JumpColumn | None = None
+    for kind, size in _SIZES.items():
+        steps = _white(data, [column(columns, kind, trial, time, mode) for trial, time in places])
+        b = steps.T @ r / mode.sigma**2
+        inner = half @ steps / mode.sigma
+        d = (steps**2).sum(axis=0) / mode.sigma**2 - (inner**2).sum(axis=0) + size**-2
+        log_odds = (
+            0.5 * b**2 / d - 0.5 * np.log(d * size**2) + np.log(_ODDS / len(places) / len(_SIZES))
+        )
+        at = int(np.argmax(log_odds))
+        enough = log_odds[at] > _SURE[kind]
+        if enough and (best is None or log_odds[at] > best.log_odds):
+            best = JumpColumn(kind, places[at][0], places[at][1], float(log_odds[at]))
+    return best
+
+
+def with_change(columns: Columns, change: JumpColumn, mode: Mode, number: int) -> Columns:
+    """The columns, and one of the step."""
+    made = column(columns, change.kind, change.trial, change.time, mode)
+    return replace(
+        columns,
+        context=np.column_stack([columns.context, made]),
+        names=(*columns.names, f"{change.kind}_{number}"),
+    )
+
+
+def column(columns: Columns, kind: str, trial: int, time: float, mode: Mode) -> FloatArray:
+    """Torque of a step by 1 Nm, or of a slip by 1° on the slope of the curve, shape (n,)."""
+    after = (columns.trial == trial) & (columns.time >= time)
+    if kind == "step":
+        return np.asarray(after, dtype=float)
+    weights = mode.z[: columns.basis.size]
+    inside = np.clip(columns.angle, columns.basis.low, columns.basis.high)
+    slope: FloatArray = columns.basis.slopes(inside) @ weights
+    return np.asarray(after * slope)
+
+
+def _white(data: Whitened, steps: list[FloatArray]) -> FloatArray:
+    return whitened(np.column_stack(steps), data.columns.cuts, data.ar, data.ma)
+
+
+def _places(columns: Columns, r: FloatArray) -> list[tuple[int, float]]:
+    """Trials and times [s] at which a step is tried: at each half second, and where noise jumps."""
+    jumps = set(np.argsort(-np.abs(r))[:_JUMPS].tolist())
+    places = []
+    for trial in np.unique(columns.trial):
+        index = np.flatnonzero(columns.trial == trial)
+        times = columns.time[index]
+        step = max(round(_APART / max(float(np.median(np.diff(times))), 1e-3)), 1)
+        inside = (times >= times[0] + _FROM_END) & (times <= times[-1] - _FROM_END)
+        places += [
+            (int(trial), float(times[k]))
+            for k, i in enumerate(index.tolist())
+            if inside[k] and (k % step == 0 or i in jumps or i - 1 in jumps)
+        ]
+    return places
