@@ -212,10 +212,7 @@ def measure(
             k: getattr(device, k) for k in ("inertia", "weight", "angle", "drag", "friction")
         },
     }
-    # minutes of the leg's time, beside trials
-    waits = {"zero": 0.5, "axis": 0.5, "geometry": 2.0, "excursion": 0.75, "again": 0.5}
-    minutes = sum(waits.get(s, 0.0) for s in steps) + sum(t for _, t in moves) / 60
-    minutes += 0.25 * len(moves)
+    minutes = _minutes(steps, [seconds for _, seconds in moves])
     # second statements are of this leg, whatever is wrong with the first
     true = 1000 * one.lasting(one.subject).geometry.arm(np.zeros(1))[:, 0]
     triceps, tibialis = map(float, true + ARM_SD * one.rng(28).normal(size=2))
@@ -225,6 +222,13 @@ def measure(
         *(one, device, files, table, tuple(steps), truth, minutes),
         *((triceps, tibialis), zero_again, (before, above)),
     )
+
+
+def _minutes(steps: Sequence[str], trials: Sequence[float]) -> float:
+    """Return the minutes that a leg is there: its trials [s], and what is beside them."""
+    waits = {"zero": 0.5, "axis": 0.5, "geometry": 2.0, "excursion": 0.75, "again": 0.5}
+    minutes = sum(waits.get(s, 0.0) for s in steps) + sum(trials) / 60
+    return minutes + 0.25 * len(trials)
 
 
 def _other_leg(family: str, seed: int) -> Any:

@@ -351,10 +351,35 @@ def _emg(
 
 def _advice(inspection: Inspection) -> Iterator[str]:
     """What is missing or open, and what to do about it."""
+    yield from inspection.faults
+    yield from _open_advice(inspection)
+    if "angle" in inspection.missing:
+        yield "angle is missing: no recording can be read without it; add its file"
+    if "torque" in inspection.missing:
+        yield "torque is missing: nothing can be fitted without it; add its file"
+    if silent := [role for role in inspection.missing if role.startswith("emg_")]:
+        yield (
+            f"no channel of {', '.join(silent)}: the mapping fixes their weights at 0, which is "
+            "right only while these muscles are silent"
+        )
+    if unknown := _units_unknown(inspection.roles):
+        yield f"{unknown}: see the mapping"
+    yield from _emg_advice(inspection)
+    moving = [inspection.roles[role] for role in ("angle", "torque") if role in inspection.roles]
+    if any(c.guess is None or c.guess.confidence != "stated" for c in moving):
+        yield N_(
+            "Their names do not say which direction of angle and torque is positive: dorsiflexion "
+            "and the triceps’s pull must be, else correct sign in the mapping"
+        )
+    if inspection.direction:
+        yield inspection.direction
+
+
+def _open_advice(inspection: Inspection) -> Iterator[str]:
+    """Which roles have several candidates, or a guess alone; alike ones together."""
     together: dict[tuple[int, ...], list[str]] = {}
     for role, candidates in inspection.open.items():
         together.setdefault(tuple(map(id, candidates)), []).append(role)
-    yield from inspection.faults
     for roles in together.values():
         candidates = inspection.open[roles[0]]
         if roles[0] in inspection.unusable:
@@ -372,27 +397,12 @@ def _advice(inspection: Inspection) -> Iterator[str]:
                 "which muscle is which column of the matrix? TA, GL, SOL, GM is the order of "
                 "equation (13) of the thesis, TA, SOL, GM, GL that of its figures"
             )
-    if "angle" in inspection.missing:
-        yield "angle is missing: no recording can be read without it; add its file"
-    if "torque" in inspection.missing:
-        yield "torque is missing: nothing can be fitted without it; add its file"
-    if silent := [role for role in inspection.missing if role.startswith("emg_")]:
-        yield (
-            f"no channel of {', '.join(silent)}: the mapping fixes their weights at 0, which is "
-            "right only while these muscles are silent"
-        )
-    if unknown := _units_unknown(inspection.roles):
-        yield f"{unknown}: see the mapping"
+
+
+def _emg_advice(inspection: Inspection) -> Iterator[str]:
+    """Where EMG looks otherwise than it is said to be, or nothing says what it is."""
     for c in inspection.roles.values():
         if c.look is not None and inspection.emg is not None:
             yield from filter(None, [contradiction(repr(c.column), c.look, inspection.emg)])
     if inspection.emg is None and inspection.emg_rule:
         yield f"whether the EMG is raw is unclear ({inspection.emg_rule}): write it in the mapping"
-    found = [inspection.roles[role] for role in ("angle", "torque") if role in inspection.roles]
-    if any(c.guess is None or c.guess.confidence != "stated" for c in found):
-        yield N_(
-            "Their names do not say which direction of angle and torque is positive: dorsiflexion "
-            "and the triceps’s pull must be, else correct sign in the mapping"
-        )
-    if inspection.direction:
-        yield inspection.direction

@@ -20,7 +20,7 @@ from surae.inference.diagnosis.explanations import (
 from surae.inference.diagnosis.quick import QuickFit, percent, quick_fit
 from surae.inference.diagnosis.units import wrong_units
 from surae.quality import Commanded, Finding, Quality, check_recording
-from surae.quality.finding import make_finding
+from surae.quality.finding import make_finding, worded_finding
 from surae.quality.numeric import quantiles, span_of
 from surae.quality.position import perturbing
 from surae.quality.registry import ordered, unfit
@@ -101,6 +101,16 @@ def examined(
         if with_signs is not right:
             quality = check_recording(with_signs, commanded)
         return _together(quality, [*findings, *wrong], but=("torque-sign",))
+    said, false = _by_fit(quality, right, signals, fit)
+    true = tuple(finding for finding in quality.findings if finding not in false)
+    return _together(replace(quality, findings=true), [*findings, *said])
+
+
+def _by_fit(
+    quality: Quality, right: Recording, signals: Signals, fit: QuickFit
+) -> tuple[list[Finding], list[Finding]]:
+    """What a quick fit shows beyond the checks, and findings of theirs that it shows to be none."""
+    findings: list[Finding] = []
     if ("emg-flat", "error") not in {(f.code, f.severity) for f in quality.findings}:
         findings += _slow(signals, fit)  # a group without one of its muscles seems to change
     electrodes = [f for f in quality.findings if f.code == "electrode-lag"]
@@ -118,8 +128,7 @@ def examined(
         beyond = (constant.value or 0.0) - sum(GRAVITY) / 2
         if not fit.zero * beyond >= _AGREED * beyond**2:
             false.append(constant)
-    true = tuple(finding for finding in quality.findings if finding not in false)
-    return _together(replace(quality, findings=true), findings)
+    return findings, false
 
 
 def _together(quality: Quality, findings: list[Finding], but: tuple[str, ...] = ()) -> Quality:
@@ -163,7 +172,7 @@ def _signs(
         recording = best.right(recording)
     texts = zip(codes.items(), (text, Message("found/torque-sign/too")), strict=False)
     return [
-        make_finding(code, role, span, best.r2, says=message, advice=advice)
+        worded_finding(code, role, span, best.r2, message, advice)
         for (role, code), message in texts
     ], recording
 
