@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from surae.model import contraction
-from surae.model.muscle_2010 import contraction as contraction_2010
+from surae.model.contraction import length_velocity_factor
 
 optimal = st.floats(0.015, 0.25)
 
@@ -81,16 +81,16 @@ def test_force_velocity_partials(vmax, ratio) -> None:
 def test_contraction_is_the_product_of_both_factors_with_its_slopes() -> None:
     l0, factor, h = 0.04, 8.0, 1e-7
     x, v = np.array([0.03, 0.04, 0.05]), np.array([-0.1, 0.05, 0.2])
-    both, by_x, by_v = contraction_2010(x, v, l0, factor)
+    both, by_x, by_v = length_velocity_factor(x, v, l0, factor)
     expected = [
         force_length(a, l0) * force_velocity(b, factor * l0) for a, b in zip(x, v, strict=True)
     ]
     np.testing.assert_allclose(both, expected, rtol=1e-14)
     longer, shorter = (
-        contraction_2010(x + h, v, l0, factor)[0],
-        contraction_2010(x - h, v, l0, factor)[0],
+        length_velocity_factor(x + h, v, l0, factor)[0],
+        length_velocity_factor(x - h, v, l0, factor)[0],
     )
     np.testing.assert_allclose(by_x, (longer - shorter) / (2 * h), rtol=1e-6, atol=1e-6)
-    faster = contraction_2010(x, v + h, l0, factor)[0]
-    slower = contraction_2010(x, v - h, l0, factor)[0]
+    faster = length_velocity_factor(x, v + h, l0, factor)[0]
+    slower = length_velocity_factor(x, v - h, l0, factor)[0]
     np.testing.assert_allclose(by_v, (faster - slower) / (2 * h), rtol=1e-6)

@@ -1,6 +1,7 @@
 """The on-disk cache of compiled kernels: named by its source, never stale, always writable."""
 
 import ast
+import errno
 import importlib
 import os
 import re
@@ -16,7 +17,7 @@ import numpy as np
 import pytest
 
 import surae
-from surae.model import jit
+from surae.model import jit, kernel_cache
 
 PACKAGE = Path(surae.__file__).parent
 
@@ -30,16 +31,18 @@ def fresh(tmp_path, monkeypatch) -> Iterator[Path]:
     package = tmp_path / "surae"
     others = ("__pycache__", "report", "recording", "quality", "measures", "studies", "cli", "api")
     shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns(*others))
-    monkeypatch.setattr(jit, "_PACKAGE", package)
+    monkeypatch.setattr(kernel_cache, "_PACKAGE", package)
     monkeypatch.setenv("SURAE_CACHE", str(tmp_path / "cache"))
-    jit.cache_folder.cache_clear()
+    kernel_cache.cache_folder.cache_clear()
     yield package
-    jit.cache_folder.cache_clear()
+    kernel_cache.cache_folder.cache_clear()
 
 
 def folder_now() -> Path:
-    jit.cache_folder.cache_clear()
-    return jit.cache_folder()
+    kernel_cache.cache_folder.cache_clear()
+    folder = kernel_cache.cache_folder()
+    assert folder is not None
+    return folder
 
 
 def test_folder_lies_in_the_cache_and_is_stable(fresh, tmp_path) -> None:
@@ -94,7 +97,7 @@ def test_other_versions_are_another_folder(fresh, monkeypatch) -> None:
     before = folder_now()
     monkeypatch.setattr(jit.numba, "__version__", "0.0.1")
     other_numba = folder_now()
-    monkeypatch.setattr(jit.platform, "python_version", lambda: "3.99.0")
+    monkeypatch.setattr(kernel_cache.platform, "python_version", lambda: "3.99.0")
     assert len({before, other_numba, folder_now()}) == 3
 
 
@@ -143,36 +146,133 @@ def test_a_home_that_cannot_be_written_is_left_alone(temporary, tmp_path, monkey
     monkeypatch.setenv("SURAE_CACHE", str(tmp_path / "file"))
     assert temporary in folder_now().parents
     monkeypatch.setenv("SURAE_CACHE", str(tmp_path / "read-only"))
-    monkeypatch.setattr(os, "access", lambda *_: False)
+    real = os.access
+    monkeypatch.setattr(os, "access", lambda p, how: "read-only" not in str(p) and real(p, how))
     assert temporary in folder_now().parents
 
 
-@pytest.mark.skipif(not hasattr(os, "getuid"), reason="users have no number on this system")
-def test_the_temporary_folder_is_this_users_alone(temporary) -> None:
+needs_users = pytest.mark.skipif(
+    not hasattr(os, "getuid"), reason="users have no number on this system"
+)
+
+
+def no_folder() -> bool:
+    kernel_cache.cache_folder.cache_clear()
+    return kernel_cache.cache_folder() is None
+
+
+@needs_users
+def test_every_folder_is_this_users_alone(fresh, tmp_path) -> None:
+    previous = os.umask(0)  # as a careless laboratory's computer has it
+    try:
+        folder = folder_now()
+    finally:
+        os.umask(previous)
+    assert [path.stat().st_mode & 0o777 for path in (folder, folder.parent)] == [0o700, 0o700]
+
+
+@needs_users
+def test_code_that_others_could_have_written_is_not_run(fresh) -> None:
+    folder = folder_now()
+    jit.jit(abs_of)(-1.0)
+    assert any(folder.rglob("*.nbi.*"))
+    folder.chmod(0o777)
+    assert folder_now() == folder
+    assert not any(folder.rglob("*.nbi.*"))
+    assert folder.stat().st_mode & 0o777 == 0o700
+
+
+@needs_users
+def test_a_folder_whose_parent_others_may_write_is_not_used(
+    temporary, tmp_path, monkeypatch
+) -> None:
+    shared = tmp_path / "shared"
+    shared.mkdir()
+    monkeypatch.setenv("SURAE_CACHE", str(shared))
+    shared.chmod(0o777)  # who may rename its folders may put others there
+    assert shared not in folder_now().parents
+    shared.chmod(0o1777)  # as the folder of temporary files: each keeps what is his
+    assert shared in folder_now().parents
+
+
+@needs_users
+def test_the_temporary_folder_is_no_link(temporary) -> None:
     private = temporary / f"surae-{os.getuid()}"
     assert folder_now().parent == private
-    assert private.stat().st_mode & 0o077 == 0
-    # a folder that others can write to may hold their code: it is not used
-    private.chmod(0o777)
-    other = folder_now().parent
-    assert other != private
-    assert other.stat().st_mode & 0o077 == 0
-    # nor is a link to elsewhere
     shutil.rmtree(private)
     elsewhere = temporary / "elsewhere"
     elsewhere.mkdir(mode=0o700)
     private.symlink_to(elsewhere)
-    assert folder_now().parent not in (private, elsewhere)
+    assert no_folder()
     assert not any(elsewhere.iterdir())
+    assert {path.name for path in temporary.iterdir()} == {private.name, "elsewhere"}
 
 
-@pytest.mark.skipif(not hasattr(os, "getuid"), reason="users have no number on this system")
-def test_somebody_elses_temporary_folder_is_not_used(temporary, monkeypatch) -> None:
+@needs_users
+def test_without_a_private_folder_kernels_are_compiled_in_memory(
+    temporary, monkeypatch, caplog
+) -> None:
     mine = folder_now().parent
     me = os.getuid()
     monkeypatch.setattr(os, "getuid", lambda: me + 1)
-    mine.rename(temporary / f"surae-{me + 1}")
-    assert folder_now().parent != temporary / f"surae-{me + 1}"
+    mine.rename(temporary / f"surae-{me + 1}")  # somebody else's
+    assert no_folder()
+    kernel_cache.say_unsaved.cache_clear()
+    jit.compile_all.cache_clear()
+    jit.compile_all()
+    assert jit.jit(abs_of)(-1.0) == 1.0
+    assert [path.name for path in temporary.iterdir()] == [f"surae-{me + 1}"]
+    assert len(caplog.messages) == 1
+    assert "SURAE_CACHE" in caplog.messages[0]
+    jit.compile_all.cache_clear()
+
+
+def cut(content: bytes) -> bytes:
+    return content[: len(content) // 2]
+
+
+def emptied(content: bytes) -> bytes:
+    return content[:0]
+
+
+def noise(content: bytes) -> bytes:
+    return np.random.default_rng(7).bytes(len(content))
+
+
+@pytest.mark.parametrize("damage", [cut, emptied, noise])
+def test_a_damaged_file_is_compiled_again_and_replaced(fresh, damage) -> None:
+    jit.jit(abs_of)(-1.0)
+    [path] = folder_now().rglob("*.nbi.*")
+    whole = path.read_bytes()
+    path.write_bytes(damage(whole))
+    again = jit.jit(abs_of)
+    assert again(-2.0) == 2.0
+    assert sum(again.stats.cache_misses.values()) == 1
+    third = jit.jit(abs_of)
+    assert third(-3.0) == 3.0
+    assert sum(third.stats.cache_hits.values()) == 1
+
+
+def test_another_kernels_code_under_this_ones_name_is_not_run(fresh) -> None:
+    jit.jit(abs_of)(-1.0)
+    [mine] = folder_now().rglob("*.nbi.*")
+    jit.jit(negative_of)(-1.0)
+    [other] = set(folder_now().rglob("*.nbi.*")) - {mine}
+    mine.write_bytes(other.read_bytes())
+    assert jit.jit(abs_of)(-2.0) == 2.0
+
+
+def test_a_full_disk_forbids_nothing(fresh, monkeypatch, caplog) -> None:
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(kernel_cache.VerifiedFile, "_open_for_write", full)
+    kernel_cache.say_unsaved.cache_clear()
+    assert jit.jit(abs_of)(-1.0) == 1.0
+    assert jit.jit(negative_of)(-1.0) == 1.0
+    assert len(caplog.messages) == 1
+    assert "no space left" in caplog.messages[0]
+    assert str(folder_now()) in caplog.messages[0]
 
 
 def test_systems_without_user_numbers(temporary, monkeypatch) -> None:
@@ -185,11 +285,11 @@ def test_systems_without_user_numbers(temporary, monkeypatch) -> None:
 def test_compilation_is_noticed_once_and_only_when_it_happens(fresh) -> None:
     told: list[str] = []
     kernel = jit.jit(abs_of)
-    with jit.on_compilation(lambda: told.append("first")):
+    with kernel_cache.on_compilation(lambda: told.append("first")):
         kernel(-1.0)
         kernel(np.float32(-1.0))
     assert told == ["first"]
-    with jit.on_compilation(lambda: told.append("second")):
+    with kernel_cache.on_compilation(lambda: told.append("second")):
         kernel(-2.0)
     assert told == ["first"]
 
@@ -202,6 +302,10 @@ def test_decorating_leaves_the_configuration_of_numba_alone(fresh) -> None:
 
 def abs_of(x: float) -> float:
     return abs(x)
+
+
+def negative_of(x: float) -> float:
+    return -x
 
 
 def test_each_signature_has_a_file_of_its_own(fresh, tmp_path) -> None:
@@ -292,7 +396,7 @@ def test_kernels_use_nothing_that_is_slow_to_compile() -> None:
     # a product of matrices or what is written to a slice compiles as long as all else together
     for source in PACKAGE.rglob("*.py"):
         text = source.read_bytes()
-        if jit._IMPORT not in text:
+        if kernel_cache._IMPORT not in text:
             continue
         for node in ast.walk(ast.parse(text)):
             named = [ast.unparse(d) for d in getattr(node, "decorator_list", ())]
@@ -309,7 +413,7 @@ def test_kernels_use_nothing_that_is_slow_to_compile() -> None:
 FIRST_FIT = """
 from numba.core import event
 from surae import api
-from surae.model import jit
+from surae.model import jit, kernel_cache
 
 jit.compile_all()
 compiled = []
@@ -387,10 +491,10 @@ def test_every_kernel_lies_in_a_folder_that_names_the_cache() -> None:
         if b"surae.model.jit" in source.read_bytes()
         and ("surae.model.jit", "jit") in imports(source)
     ]
-    assert all(jit._IMPORT in source.read_bytes() for source in sources)
+    assert all(kernel_cache._IMPORT in source.read_bytes() for source in sources)
     modules = {".".join(("surae", *s.relative_to(PACKAGE).with_suffix("").parts)) for s in sources}
     kernels = {*modules, "surae.model.jit"}
-    hashed = {PACKAGE / folder for folder in jit._KERNEL_FOLDERS}
+    hashed = {PACKAGE / folder for folder in kernel_cache._KERNEL_FOLDERS}
     assert len(sources) >= 4
     assert {source.parent for source in sources} <= hashed
     for source in sources:  # nor do kernels read constants from elsewhere in the package
@@ -405,5 +509,5 @@ def test_no_other_numba_decorator() -> None:
         r"\b(numba|nb)\.(n?jit|(gu)?vectorize|cfunc|stencil)\b|^\s*from numba\b", re.M
     )
     for source in PACKAGE.rglob("*.py"):
-        if source != PACKAGE / "model" / "jit.py":
+        if source.name not in ("jit.py", "kernel_cache.py"):
             assert not made.search(source.read_text(encoding="utf-8")), source

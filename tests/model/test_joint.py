@@ -265,7 +265,8 @@ def test_a_session_and_its_page_are_of_the_joint(trial, tmp_path) -> None:
 def test_every_translated_word_of_the_ankle_has_another_joints_in_its_place(language) -> None:
     wrist = read_joint(WRIST["joint"])
     rooms = ("base", "inference", "measures", "report")  # the workbench's messages are of any leg
-    own = {text for room in rooms for *_, text in literals_of(room)} - {"Limb"}
+    of_legs = {"Limb", "Legs"}  # the parameters' heading, and the cohort's, which is of legs
+    own = {text for room in rooms for *_, text in literals_of(room)} - of_legs
     with catalogue(language).open("rb") as file:
         said = [m for m in read_po(file) if m.id and np.atleast_1d(m.id)[0] in own]
     texts = [text for m in said for text in np.atleast_1d(m.string)]

@@ -34,7 +34,7 @@ def test_defaults_are_the_thesis() -> None:
         ),
         (
             {"integrator": "rk4"},
-            "integrator is 'rk4'; use one of: implicit, explicit-euler",
+            "integrator is 'rk4'; use one of: implicit, explicit-euler, explicit-damped",
         ),
         ({"theta_foot": "0"}, "theta_foot is '0'; give a number"),
         ({"theta_foot": float("inf")}, "theta_foot is inf; give a number"),

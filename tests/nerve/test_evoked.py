@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from surae.base.frozen import read_only
-from surae.measures.evoked import EVOKED_SHARE, evoked_emg
+from surae.measures.evoked import evoked_emg
 from surae.measures.leg import NotDefinedError
+from surae.measures.table import DEFINITIONS
 from surae.signals import ModelInputs
 
 RATE = 128.0
@@ -70,5 +71,6 @@ def test_what_was_not_recorded_is_said() -> None:
 
 
 def test_the_measure_says_what_it_is() -> None:
-    assert EVOKED_SHARE.meaning.startswith("Part of EMG that answers stretches")
-    assert "25 to 120 ms" in EVOKED_SHARE.formula
+    [evoked_share] = [each for each in DEFINITIONS if each.name == "evoked_share"]
+    assert evoked_share.meaning.startswith("Part of EMG that answers stretches")
+    assert "25 to 120 ms" in evoked_share.formula

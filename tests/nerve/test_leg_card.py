@@ -7,11 +7,11 @@ import pytest
 import surae
 from perturbed_ankle import Ankle, ramps
 from surae.base.records import from_plain, to_plain
-from surae.nerve.leg import of_session
+from surae.nerve.leg import IntervalEstimate, Nerve, StretchTorque, of_session
 from surae.recording import Recording
 from surae.report.language import words_in
 from surae.report.nerve_card import nerve_card
-from surae.trials.nerve import IntervalEstimate, Nerve, StretchTorque, nerve_of
+from surae.trials.nerve import nerve_of
 
 FAST = StretchTorque("dorsiflexion", 200.0, 14.0, 5.0, 1.0, 6.0, (5.0, 7.0))
 PRESENT = Nerve(

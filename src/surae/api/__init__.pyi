@@ -69,8 +69,8 @@ from surae.model import check_value as check_value
 from surae.model import get_model as get_model
 from surae.model import with_optional as with_optional
 from surae.model.geometry_file import geometry_of_text as geometry_of_text
-from surae.model.jit import cache_folder as cache_folder
-from surae.model.jit import on_compilation as on_compilation
+from surae.model.kernel_cache import cache_folder as cache_folder
+from surae.model.kernel_cache import on_compilation as on_compilation
 from surae.model.knowledge import Knowledge as Knowledge
 from surae.model.laboratory import richest as richest
 from surae.model.options import ModelOptions as ModelOptions

@@ -16,7 +16,7 @@ from surae.inference.judging.assessment import assess, outdated
 from surae.inference.least_squares.starts import Follow
 from surae.inference.saved.fit_json import load_saved
 from surae.model import ModelOptions
-from surae.model.jit import on_compilation
+from surae.model.kernel_cache import on_compilation
 from surae.model.laboratory import AUTO
 from surae.quality import Quality
 from surae.quality.position import is_perturbed

@@ -155,7 +155,7 @@ class Correlation:
 
 @filed("name")
 @dataclass(frozen=True, slots=True)
-class Pooled:
+class PooledQuantity:
     """One measure or parameter over the cohort."""
 
     #: `name`, `unit`, `meaning`, `kind`: as of `Quantity`.
@@ -179,7 +179,7 @@ class Cohort(Tabular, Saved):
     """A cohort: its members, and everything they have over all of them."""
 
     members: tuple[CohortMember, ...]
-    pooled: FrozenDict[str, Pooled]
+    pooled: FrozenDict[str, PooledQuantity]
     rounds: int = 0
 
     @property
@@ -305,7 +305,7 @@ def borrowed(cohort: Cohort, refitted: Sequence[CohortMember], rounds: int) -> C
 
 def _pooled(
     name: str, first: Sequence[CohortMember], changes: Mapping[str, list[tuple[float, float]]]
-) -> Pooled:
+) -> PooledQuantity:
     left_out: Counter[str] = Counter()
     usable: list[tuple[CohortMember, Quantity, float, float]] = []
     at_bound = 0
@@ -334,7 +334,7 @@ def _pooled(
     )
     changed = _effects(changes)
     legs = tuple(_among(m, y, v, groups.get(m.group)) for m, q, y, v in usable if not q.at_bound)
-    return Pooled(
+    return PooledQuantity(
         known.name,
         known.unit,
         known.meaning,
@@ -409,7 +409,7 @@ def _scales(usable: Sequence[tuple[CohortMember, float]]) -> FrozenDict[str, Cor
     return FrozenDict(correlations)
 
 
-def _holm(pooled: Mapping[str, Pooled]) -> dict[str, Pooled]:
+def _holm(pooled: Mapping[str, PooledQuantity]) -> dict[str, PooledQuantity]:
     """Differences, changes and correlations, each kind with Holm's p over all quantities."""
     done = dict(pooled)
     for kind in ("differences", "changes", "scales"):

@@ -33,14 +33,14 @@ _CHANNELS = {"tri": slice(1, 4), "tib": slice(0, 1)}
 
 
 @dataclass(frozen=True, slots=True)
-class Tissue:
+class JointTissue:
     """Relaxed tissue along a path: exp(c0 + c1·s + c2·s² + c3·s³) N at a stretch of s m."""
 
     rest: float  #: Length of the path at which s is 0 [m].
     coefficients: tuple[float, ...]
 
     @classmethod
-    def fitted(cls, length: FloatArray, force: FloatArray) -> "Tissue":
+    def fitted(cls, length: FloatArray, force: FloatArray) -> "JointTissue":
         """The tissue with a force [N] at lengths of its path [m]."""
         rest = float(np.mean(length))
         scaled = np.polynomial.Polynomial.fit(
@@ -86,7 +86,7 @@ class JointMuscle:
     group: str
     path: PolynomialPath | WrappedPath
     muscle: DeGrooteMuscle | MujocoMuscle
-    tissue: Tissue | Springs
+    tissue: JointTissue | Springs
     scale: float  #: Excitation (12), (13) that is 1 there [N].
 
     @property
@@ -135,7 +135,7 @@ def joint_of(leg: Leg, moved: tuple[float, float], *, springs: bool) -> JointMod
         path = (WrappedPath if springs else PolynomialPath).through(angle, arm)
         held = _held(leg, group, degrees, path.length(angle))
         kind: type[MujocoMuscle | DeGrooteMuscle] = MujocoMuscle if springs else DeGrooteMuscle
-        tissue = (Springs if springs else Tissue).fitted(held.length, held.tissue)
+        tissue = (Springs if springs else JointTissue).fitted(held.length, held.tissue)
         muscle = JointMuscle(leg.options.anatomy, group, path, kind.fitted(held), tissue, held.peak)
         muscles.append(muscle)
         active = np.vstack([still, held.active])

@@ -3,7 +3,7 @@
 import math
 from xml.etree.ElementTree import Element, SubElement
 
-from surae.exchange.joint import JointModel, JointMuscle, Tissue
+from surae.exchange.joint import JointModel, JointMuscle, JointTissue
 from surae.exchange.muscles import DeGrooteMuscle, PolynomialPath
 from surae.exchange.text import row, text_of
 
@@ -67,7 +67,7 @@ def _muscle(forces: Element, of: JointMuscle) -> None:
 
 def _tissue(forces: Element, of: JointMuscle) -> None:
     tissue = of.tissue
-    assert isinstance(tissue, Tissue)
+    assert isinstance(tissue, JointTissue)
     element = SubElement(forces, "ExpressionBasedPathForce", name=f"{of.name}_tissue")
     _path(element, of)
     terms = [f"({c:.12g})*s^{power}" for power, c in enumerate(tissue.coefficients) if power]

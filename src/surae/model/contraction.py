@@ -6,6 +6,9 @@ printed, or a constant of (17).
 
 import math
 
+import numpy as np
+
+from surae.base.units import FloatArray
 from surae.model.jit import jit
 
 #: cf, width of the force-length curve, equation (16).
@@ -108,3 +111,31 @@ def bridge_strain(moved: float, before: float, reach: float) -> tuple[float, flo
     left = (before - end) * kept
     way = end / reach
     return end + left, -left / end, kept, way - way * kept + left * abs(moved) / reach**2
+
+
+@jit
+def length_velocity_factor(
+    length: FloatArray, speed: FloatArray, l0: float, factor: float
+) -> FloatArray:
+    """Factor f_l·f_v of equations (15) to (17), with its derivatives by length and speed.
+
+    Parameters
+    ----------
+    length, speed : ndarray, shape (n,)
+        Muscle length [m] and lengthening speed [m/s].
+    l0 : float
+        Optimal length [m].
+    factor : float
+        vmax in optimal lengths per second.
+
+    Returns
+    -------
+    ndarray, shape (3, n)
+        f_l·f_v, its derivatives by length [1/m] and by speed [s/m].
+    """
+    out = np.empty((3, len(length)))
+    for i in range(len(length)):
+        fl, fl_x, _, _ = force_length(length[i], l0)
+        fv, fv_v, _, _ = force_velocity(speed[i], factor * l0)
+        out[0, i], out[1, i], out[2, i] = fl * fv, fl_x * fv, fl * fv_v
+    return out

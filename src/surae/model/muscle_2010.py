@@ -29,9 +29,8 @@ import numpy as np
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
 from surae.model.activation import ActiveState
-from surae.model.contraction import force_length, force_velocity
+from surae.model.contraction import length_velocity_factor
 from surae.model.geometry import paths
-from surae.model.jit import jit
 from surae.model.model_2010 import PARAMETERS_2010
 from surae.model.movement import MusclePath
 from surae.model.options import ModelOptions
@@ -47,32 +46,6 @@ _K, _X0, _B, _F0 = (_NAMES.index(name) for name in ("k_tri", "x0_tri", "b_tri", 
 #: is that of the activation filter, as in model 1.0.
 IEMG_HZ = 3.0
 IEMG_ORDER = 2
-
-
-@jit
-def contraction(length: FloatArray, speed: FloatArray, l0: float, factor: float) -> FloatArray:
-    """Factor f_l·f_v of equations (15) to (17), with its derivatives by length and speed.
-
-    Parameters
-    ----------
-    length, speed : ndarray, shape (n,)
-        Muscle length [m] and lengthening speed [m/s].
-    l0 : float
-        Optimal length [m].
-    factor : float
-        vmax in optimal lengths per second.
-
-    Returns
-    -------
-    ndarray, shape (3, n)
-        f_l·f_v, its derivatives by length [1/m] and by speed [s/m].
-    """
-    out = np.empty((3, len(length)))
-    for i in range(len(length)):
-        fl, fl_x, _, _ = force_length(length[i], l0)
-        fv, fv_v, _, _ = force_velocity(speed[i], factor * l0)
-        out[0, i], out[1, i], out[2, i] = fl * fv, fl_x * fv, fl * fv_v
-    return out
 
 
 class Muscle2010Simulator(Simulator):
@@ -108,9 +81,11 @@ class Muscle2010Simulator(Simulator):
         return np.stack([self._passive(p, group, muscle)[0], active_force])
 
     def _contraction(self, group: int, muscle: MusclePath) -> FloatArray:
-        """Give the `contraction`, which is made once where no parameter touches the movement."""
+        """Give the factor f_l·f_v, which is made once where no parameter touches the movement."""
         if group not in self._contractions or self._contractions[group][0] is not muscle:
-            made = contraction(muscle.length, muscle.speed, self._l0[group], self._factor)
+            made = length_velocity_factor(
+                muscle.length, muscle.speed, self._l0[group], self._factor
+            )
             self._contractions[group] = muscle, made
         return self._contractions[group][1]
 

@@ -33,7 +33,7 @@ STRONG = 0.33
 
 
 @dataclass(frozen=True, slots=True)
-class Description:
+class TorqueDescription:
     """Coefficients of one description, of all of tissue's columns; (k,), 0 where it has none."""
 
     law: Law
@@ -82,7 +82,7 @@ class Competition:
         called = self.envelopes.bent(law.bend)
         return [driven(c, law, n) for c, n in zip(called, self.envelopes.lengths, strict=True)]
 
-    def best(self) -> list[Description]:
+    def best(self) -> list[TorqueDescription]:
         """Descriptions that have a say, the best first."""
         found: list[tuple[float, int, tuple[int, ...]]] = []
         laws = range(len(self.laws))
@@ -115,7 +115,7 @@ class Competition:
             for (_, law, columns), w in zip(told, weights, strict=True)
         ]
 
-    def plain(self, law: Law) -> Description:
+    def plain(self, law: Law) -> TorqueDescription:
         """That of tissue's usual columns alone, by a law."""
         return self._described(self.laws.index(law), (), 0.0)
 
@@ -151,7 +151,7 @@ class Competition:
             pull = np.delete(pull, int(np.argmin(pushes)))
         return max(float(self.yy - 2.0 * c @ b + c @ a @ c), 1e-12), c, ridged, b, pull
 
-    def _described(self, law: int, more: tuple[int, ...], weight: float) -> Description:
+    def _described(self, law: int, more: tuple[int, ...], weight: float) -> TorqueDescription:
         used = np.array([*range(self.tissue.always), *more])
         mean, first, a, b, pull = self._solved(more, law)
         k = len(used)
@@ -172,11 +172,11 @@ class Competition:
         gains = np.zeros(len(self.calf))
         gains[pull] = (first / size)[k:]
         covariance = np.linalg.inv(a) / np.outer(size, size) * mean * DEPENDENT / len(self.y)
-        return Description(
+        return TorqueDescription(
             own, weight, whole, diluted, gains, used, covariance[:k, :k], math.sqrt(mean)
         )
 
-    def left_out(self, of: Description, label: np.ndarray) -> FloatArray:
+    def left_out(self, of: TorqueDescription, label: np.ndarray) -> FloatArray:
         """By what tissue's coefficients change if one label's samples are left out, weighed.
 
         Their squares' sum is the variance of a jackknife over groups (Tukey 1958): what equations

@@ -53,7 +53,25 @@ class Engine:
 
 
 def engine_of(dask: str | None, workers: int | None) -> Engine:
-    """Where the work is done: a Dask cluster, or so many processes."""
+    """Where the work is done: a Dask cluster, or so many processes.
+
+    Parameters
+    ----------
+    dask : str, optional
+        Address of a cluster's scheduler.
+    workers : int, optional
+        Processes on this machine, where there is no cluster; by default one for each core.
+
+    Returns
+    -------
+    Engine
+        What `results` runs calls on.
+
+    Raises
+    ------
+    InputError
+        A cluster brings workers of its own, and yet a number of them is given.
+    """
     if dask is None:
         count = workers or cores()
         return Engine("processes" if count > 1 else "threads", count)

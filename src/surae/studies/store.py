@@ -175,10 +175,12 @@ def run_study(
 
 def _computed(tasks: Mapping[str, FitTask], engine: Engine) -> Generator[Batch]:
     """Outcomes as they come, first one of each model where the compiler has yet to work."""
-    from surae.model.jit import cache_folder
+    from surae.model.kernel_cache import cache_folder
 
     rest = dict(tasks)
-    if engine.kind != "dask" and rest and not any(cache_folder().rglob("*.nbi")):
+    folder = cache_folder()
+    compiled = folder is not None and (folder / "all").exists()
+    if engine.kind != "dask" and rest and not compiled:
         models: dict[str, str] = {}
         for key, task in tasks.items():
             models.setdefault(task.model, key)

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from surae.base.normal import NORMAL
-from surae.cohorts.pooled import Pooled
+from surae.cohorts.pooled import PooledQuantity
 from surae.report import figures
 from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED, Axes, Figure
 
@@ -13,7 +13,7 @@ _MARKERS = ("o", "s", "^", "D")
 _MOST = 60
 
 
-def forest_figure(pooled: Pooled) -> Figure:
+def forest_figure(pooled: PooledQuantity) -> Figure:
     """Every leg as it was found and as its group draws it, with the groups' means below."""
     legs = sorted(pooled.legs, key=lambda leg: (leg.group, leg.value))
     groups = list(dict.fromkeys(leg.group for leg in legs))
