@@ -93,10 +93,12 @@ def fit_cell(**labels: Any) -> dict[str, Any] | None:
     options = {"integrator": "explicit-euler"} if cell.explicit else {}
     trajectory = motion(cell.profile, cell.task, cell.amplitude, cell.factor, rate, cell.reading)
     inputs, torque = thesis_trial(leg, trajectory, cell.model, cell.repeat, **options)
-    if cell.explicit:
-        fit = fit_explicit(inputs, cell.model)[0]
-    else:
-        fit = fit_trial(inputs, cell.model, 2, cell.seed)
+    seed = cell.seed
+    fit = (
+        fit_explicit(inputs, cell.model)[0]
+        if cell.explicit
+        else fit_trial(inputs, cell.model, 2, seed)
+    )
     if fit is None:
         return None
     off = {name: value / leg.parameters[name] - 1.0 for name, value in fit["values"].items()}
