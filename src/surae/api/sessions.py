@@ -15,6 +15,7 @@ from surae.base.files import PathLike, paths_of, shown
 from surae.base.progress import SearchProgress, line_of_progress
 from surae.inference.least_squares.starts import Follow
 from surae.model.knowledge_file import SESSION_TOML, SessionFile, known_from, read_session_toml
+from surae.model.knowledge_words import lines_of
 from surae.model.laboratory import AUTO
 from surae.recording import Recording
 from surae.recording.corrections import CorrectionKeywords, Corrections
@@ -197,7 +198,7 @@ def session(
         notes=notes or about.notes,
         mapping=None if description is None else description.source.file,
         efforts=efforts or {},
-        knowledge=known if known.lines() or known.doubts else None,
+        knowledge=known if lines_of(known) or known.doubts else None,
     )
 
 
