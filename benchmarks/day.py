@@ -9,6 +9,7 @@ Prints a row for each trial, then what was lost.
 """
 
 import argparse
+import contextlib
 import json
 import os
 import signal
@@ -29,6 +30,7 @@ class Streams:
     """A manipulator and an amplifier that send one trial after another, and do as they are told."""
 
     def __init__(self, seconds):
+        self.seconds = seconds
         import numpy as np
 
         from surae.api import Protocol, generate, virtual_recording, virtual_subject
@@ -194,6 +196,10 @@ class Program:
         return self.wait(event)
 
 
+LOSSES = {2, 4, 5, 7, 8, 10, 11, 15, 17, 19}
+LAYOUTS, KILLS, FULL = {6, 12, 18}, {3, 8, 13, 16, 20}, {14, 21}
+
+
 def day(folder, trials, seconds, minutes):
     streams = Streams(seconds)
     from surae.api import write_protocol_csv
@@ -205,70 +211,16 @@ def day(folder, trials, seconds, minutes):
     rows, marks, restarts, program = [], {}, 0, Program(folder)
     began = [program.wait("began")]
     first = time.monotonic()
-    losses = {2, 4, 5, 7, 8, 10, 11, 15, 17, 19}
-    layouts, kills, full = {6, 12, 18}, {3, 8, 13, 16, 20}, {14, 21}
     for n in range(1, trials + 1):
         time.sleep(max(0.0, first + 60.0 * minutes * (n - 1) / trials - time.monotonic()))
-        program.do("ready", "ready")
-        streams.kind = "passive" if n == 1 else "active"
-        told = program.do("start", "started", file=str(files[streams.kind]))
-        number, streams.begin = told["trial"], told["begin"]
-        event = "relaxed" if n == 1 else ""
-        at = streams.begin + 0.3 * seconds
-        while streams.clock() < at:
-            time.sleep(0.01)
+        row, number = trial(n, program, streams, folder, files)
         marks[number] = [f"mark {n}", f"again {n}"]
-        for text in marks[number]:
-            program.do("mark", "marked", text=text)
-        fault = streams.clock()
-        if n in losses:
-            streams.lose("EMG" if n % 2 else "manipulator", 1.0)
-            event += "stream lost 1 s "
-        if n in layouts:
-            streams.lose("EMG", 0.5, order=streams.order[::-1])
-            event += "other layout "
-        if n == 9:
-            streams.off, event = fault, "electrode off"
-        filler = folder / "filler"
-        if n in full:
-            event += "disk full 3 s "
-            with filler.open("wb") as file:
-                try:
-                    while True:
-                        file.write(bytes(2**20))
-                        file.flush()
-                except OSError:
-                    pass
-            time.sleep(3.0)
-            filler.unlink()
-        if n in kills:
-            time.sleep(0.2 * seconds)
-            event += "kill -9 "
-            program.process.kill()
-            program.process.wait()
-            verdict = {"verdict": "", "alarms": []}
-        else:
-            verdict = program.do("verdict", "verdict", trial=number)
-        alarm = [
-            one
-            for one in program.said
-            if one["event"] in ("alarm", "disk") and one["clock"] > streams.begin
-        ]
-        late = min((one["clock"] - fault for one in alarm if one["clock"] > fault), default=None)
-        rows.append(
-            [
-                number,
-                event.strip(),
-                verdict["verdict"],
-                ", ".join(sorted({one.get("code", one["event"]) for one in alarm})),
-                "" if late is None else f"{late:.2f}",
-            ]
-        )
-        print(" | ".join(map(str, rows[-1])), flush=True)
+        rows.append(row)
+        print(" | ".join(map(str, row)), flush=True)
         streams.off = streams.begin = None
         if n <= 20:
             restarts += 1
-            if n not in kills:
+            if n not in KILLS:
                 program.do("end", "ended")
                 program.process.wait()
             program = Program(folder)
@@ -278,6 +230,61 @@ def day(folder, trials, seconds, minutes):
     last = program.wait("began")
     program.do("end", "ended")
     report(folder, rows, marks, restarts, [*began, last], time.monotonic() - first)
+
+
+def trial(n, program, streams, folder, files):
+    """One trial of the day with what goes wrong in it: its row, and its number."""
+    program.do("ready", "ready")
+    streams.kind = "passive" if n == 1 else "active"
+    told = program.do("start", "started", file=str(files[streams.kind]))
+    number, streams.begin = told["trial"], told["begin"]
+    at = streams.begin + 0.3 * streams.seconds
+    while streams.clock() < at:
+        time.sleep(0.01)
+    for text in (f"mark {n}", f"again {n}"):
+        program.do("mark", "marked", text=text)
+    fault = streams.clock()
+    event = disturbed(n, streams, folder, fault)
+    if n in KILLS:
+        time.sleep(0.2 * streams.seconds)
+        event += "kill -9 "
+        program.process.kill()
+        program.process.wait()
+        verdict = {"verdict": "", "alarms": []}
+    else:
+        verdict = program.do("verdict", "verdict", trial=number)
+    alarm = [
+        one
+        for one in program.said
+        if one["event"] in ("alarm", "disk") and one["clock"] > streams.begin
+    ]
+    late = min((one["clock"] - fault for one in alarm if one["clock"] > fault), default=None)
+    said = ", ".join(sorted({one.get("code", one["event"]) for one in alarm}))
+    late = "" if late is None else f"{late:.2f}"
+    return [number, event.strip(), verdict["verdict"], said, late], number
+
+
+def disturbed(n, streams, folder, fault):
+    """Let a stream, an electrode or the disk fail, as the trial has it; what it was."""
+    event = "relaxed" if n == 1 else ""
+    if n in LOSSES:
+        streams.lose("EMG" if n % 2 else "manipulator", 1.0)
+        event += "stream lost 1 s "
+    if n in LAYOUTS:
+        streams.lose("EMG", 0.5, order=streams.order[::-1])
+        event += "other layout "
+    if n == 9:
+        streams.off, event = fault, "electrode off"
+    if n in FULL:
+        event += "disk full 3 s "
+        filler = folder / "filler"
+        with filler.open("wb") as file, contextlib.suppress(OSError):
+            while True:
+                file.write(bytes(2**20))
+                file.flush()
+        time.sleep(3.0)
+        filler.unlink()
+    return event
 
 
 def report(folder, rows, marks, restarts, began, seconds):

@@ -13,6 +13,7 @@ from surae.base.frozen import FrozenDict
 from surae.base.setting import Request, documented, setting
 from surae.base.words import N_
 from surae.model.knowledge import Knowledge
+from surae.model.knowledge_priors import groups_of, priors_of
 from surae.model.options import ModelOptions, with_files
 
 if TYPE_CHECKING:  # what computes comes when it is needed: help reads the fields alone
@@ -306,7 +307,7 @@ class FitSettings(Request):
         if self.knowledge is None or self.nuisances == names.NUISANCES[1]:
             return self.nuisances
         given = {} if isinstance(self.nuisances, str) else self.nuisances
-        return {**self.knowledge.nuisances(), **given}
+        return {**priors_of(self.knowledge), **given}
 
     @property
     def known(self) -> frozenset[str]:
@@ -314,7 +315,7 @@ class FitSettings(Request):
 
         A prior that the data cannot see would else count as none at all.
         """
-        groups = frozenset[str]() if self.knowledge is None else self.knowledge.groups
+        groups = frozenset[str]() if self.knowledge is None else groups_of(self.knowledge)
         return groups | ({"arm", "length"} if self.geometry_of == names.GEOMETRY_OF[1] else set())
 
     @property

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from surae.inference.least_squares.minimise import Outcome, column_norms, compress, minimise
+from surae.inference.least_squares.minimise import Ends, Outcome, column_norms, compress, minimise
 
 INF = np.full(2, np.inf)
 
@@ -95,7 +95,7 @@ def test_rows_may_be_one_buffer_that_is_written_over():
 def test_a_solution_at_a_bound_equals_scipy(lower, upper):
     lower, upper = np.array(lower), np.array(upper)
     first = np.clip([0.5, 1.0], lower, upper)
-    found = minimise(rosenbrock, first, lower, upper, ftol=1e-14)
+    found = minimise(rosenbrock, first, lower, upper, ends=Ends(ftol=1e-14))
     theirs = least_squares(
         lambda x: rosenbrock(x)[-1],
         np.clip([0.8, 0.9], lower + 1e-3, upper - 1e-3),
@@ -223,7 +223,7 @@ def test_interruption_within_a_move():
 @pytest.mark.parametrize("limit", [1, 2, 7])
 def test_the_iteration_limit_counts_evaluations(limit):
     rows = counted(rosenbrock)
-    found = minimise(rows, np.array([-1.2, 1.0]), -INF, INF, max_iterations=limit)
+    found = minimise(rows, np.array([-1.2, 1.0]), -INF, INF, ends=Ends(max_iterations=limit))
     assert found.outcome is Outcome.ITERATIONS
     assert rows.calls == found.iterations == limit
     assert found.sse == min(rows.sums)
@@ -275,9 +275,9 @@ def test_a_move_out_of_the_bounds_is_brought_back():
 def test_stall_ends_only_after_a_failed_step():
     # With every step accepted `stall` plays no part.
     sums = counted(decay)
-    plain = minimise(sums, np.array([1.9, 1.2]), -INF, INF, ftol=1e-14)
+    plain = minimise(sums, np.array([1.9, 1.2]), -INF, INF, ends=Ends(ftol=1e-14))
     assert np.all(np.diff(sums.sums) <= 0)
-    found = minimise(decay, np.array([1.9, 1.2]), -INF, INF, ftol=1e-14, stall=1e-3)
+    found = minimise(decay, np.array([1.9, 1.2]), -INF, INF, ends=Ends(ftol=1e-14, stall=1e-3))
     assert found.iterations == plain.iterations
     np.testing.assert_array_equal(found.x, plain.x)
 
@@ -288,7 +288,7 @@ def test_stall_ends_only_after_a_failed_step():
         return out
 
     kink = np.array([2.0, 0.999])
-    with_stall = minimise(kinked, kink, -INF, INF, ftol=1e-14, stall=1.0)
-    without = minimise(kinked, kink, -INF, INF, ftol=1e-14)
+    with_stall = minimise(kinked, kink, -INF, INF, ends=Ends(ftol=1e-14, stall=1.0))
+    without = minimise(kinked, kink, -INF, INF, ends=Ends(ftol=1e-14))
     assert with_stall.outcome is Outcome.CONVERGED
     assert with_stall.iterations < without.iterations

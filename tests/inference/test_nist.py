@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from surae.inference.least_squares.minimise import Outcome, minimise
+from surae.inference.least_squares.minimise import Ends, Outcome, minimise
 from surae.inference.uncertainty.covariance import covariance
 
 FOLDER = Path(__file__).parent / "nist"
@@ -143,8 +143,7 @@ def test_certified_values_and_deviations(name, start):
         one.table[:, start - 1],
         -one.infinite,
         one.infinite,
-        ftol=1e-14,
-        max_iterations=700,
+        ends=Ends(ftol=1e-14, max_iterations=700),
     )
     assert found.outcome is Outcome.CONVERGED
     np.testing.assert_allclose(found.x, one.certified, rtol=1e-6)
@@ -158,14 +157,16 @@ def test_a_far_start_comes_within_reach_once_the_linear_parameter_is_solved():
     first = one.table[:, 0].copy()
     shape, residual = one.rows(first)[[0, -1]]
     first[0] -= shape @ residual / (shape @ shape)
-    found = minimise(one.rows, first, -one.infinite, one.infinite, ftol=1e-14)
+    found = minimise(one.rows, first, -one.infinite, one.infinite, ends=Ends(ftol=1e-14))
     np.testing.assert_allclose(found.x, one.certified, rtol=1e-6)
 
 
 @pytest.mark.parametrize("name", MODELS)
 def test_default_tolerance_is_far_below_the_standard_error(name):
     one = Regression(name)
-    found = minimise(one.rows, one.table[:, 1], -one.infinite, one.infinite, max_iterations=400)
+    found = minimise(
+        one.rows, one.table[:, 1], -one.infinite, one.infinite, ends=Ends(max_iterations=400)
+    )
     assert found.outcome is Outcome.CONVERGED
     assert np.all(np.abs(found.x - one.certified) < 1e-3 * one.deviation)
 
@@ -174,7 +175,9 @@ def test_default_tolerance_is_far_below_the_standard_error(name):
 def test_as_low_as_scipy(name):
     one = Regression(name)
     first = one.table[:, 1]
-    ours = minimise(one.rows, first, -one.infinite, one.infinite, ftol=1e-14, max_iterations=400)
+    ours = minimise(
+        one.rows, first, -one.infinite, one.infinite, ends=Ends(ftol=1e-14, max_iterations=400)
+    )
     theirs = least_squares(
         lambda b: one.rows(b)[-1],
         first,
@@ -191,6 +194,6 @@ def test_as_low_as_scipy(name):
 def test_a_far_start_is_never_called_a_minimum_too_early():
     # In MGH10's valley every step is small and lowers the sum: that is not convergence.
     one = Regression("MGH10")
-    found = minimise(one.rows, one.table[:, 0], -one.infinite, one.infinite, ftol=1e-14)
+    found = minimise(one.rows, one.table[:, 0], -one.infinite, one.infinite, ends=Ends(ftol=1e-14))
     assert found.outcome is Outcome.ITERATIONS
     assert found.sse < 1e-6 * np.sum(one.rows(one.table[:, 0])[-1] ** 2)

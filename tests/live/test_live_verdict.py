@@ -13,14 +13,17 @@ from streaming import Quick, described, waited
 
 import surae
 from perturbed_ankle import Ankle
+from surae.api import words_in
 from surae.base.errors import InputError
+from surae.base.names import LANGUAGES
+from surae.base.words import Message
 from surae.planning.torque import load_of
 from surae.processes import End
 from surae.protocol import Protocol, generate, write_protocol_csv
 from surae.quality import Finding, Quality
 from surae.recording import write_csv, write_hdf5
 from surae.studies import virtual_recording, virtual_subject
-from surae_workbench.live.judge import judge, tells, verdict
+from surae_workbench.live.judge import decided, judge, tells
 from surae_workbench.live.room import Room, _files
 from surae_workbench.live.stream import Stream
 from surae_workbench.live.trials import Trials, mapping_of
@@ -33,7 +36,40 @@ def finding(code: str, severity: str) -> Finding:
 
 def said(*findings: Finding, use: str = "fit", grade: str | None = "adequate", reasons=()) -> dict:
     told = {"use": use, "grade": grade, "reasons": list(reasons), "why": "it holds still"}
-    return verdict(Quality("trial", findings), told)
+    advised = decided(Quality("trial", findings), told)
+    return {"verdict": advised.verdict, "advice": advised.said(words_in("en"))}
+
+
+def test_every_language_gives_the_reason_that_english_gives() -> None:
+    why = "the torque is not finite"
+    unusable = {"use": "none", "grade": None, "reasons": [], "why": why}
+    advised = decided(Quality("trial", ()), unusable)
+    for language in LANGUAGES:  # no catalogue has this one, which is better than another reason
+        assert advised.said(words_in(language)) == why
+    held = {**unusable, "use": "hold", "why": "it holds still"}
+    texts = {
+        language: decided(Quality("trial", ()), held).said(words_in(language))
+        for language in LANGUAGES
+    }
+    assert all("it holds still" in text for text in texts.values())
+    assert len(set(texts.values())) == len(LANGUAGES)
+
+
+def test_a_verdict_is_worded_in_each_language_from_one_decision() -> None:
+    reasons = [Message("plainly/emg-steady"), Message("plainly/implausible")]
+    doubtful = {"use": "fit", "grade": "doubtful", "reasons": reasons, "why": ""}
+    clash = decided(Quality("trial", ()), doubtful, wrong="It moved.")
+    assert (clash.verdict, clash.message) == ("look", "It moved.")
+    open_ = decided(Quality("trial", ()), doubtful)
+    bad = decided(Quality("trial", ()), doubtful | {"grade": "inadequate"})
+    for language in LANGUAGES:
+        _ = words_in(language)
+        for reason in reasons:
+            assert _(reason) in open_.said(_)
+        first = bad.said(_)
+        assert first[0].isupper()
+        assert first.endswith(".")
+        assert _(reasons[1]) in first
 
 
 def test_a_good_trial_is_kept_without_a_word() -> None:

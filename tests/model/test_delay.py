@@ -9,7 +9,7 @@ import pytest
 from surae.base.errors import InputError
 from surae.model import MODELS, ModelOptions, check_value, get_model, with_optional
 from surae.model.activation import ActivationFilter, Drive
-from surae.model.compliant import GAMMA
+from surae.model.compliant_stage import GAMMA
 from surae.model.parameters import COMPLIANT_ALONE, OPTIONAL, OPTIONAL_PARAMETERS
 
 OPTIONS = ModelOptions()

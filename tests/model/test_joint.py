@@ -18,6 +18,7 @@ import surae.cli
 from surae.base.errors import InputError
 from surae.cli.screen import show_fit
 from surae.inference import AssessedFit, assess
+from surae.inference.least_squares.contradiction import contradiction
 from surae.model import ModelOptions, adapted, get_model, read_geometry
 from surae.model.joint import ANKLE, STATED, read_joint
 from surae.model.laboratory import laboratory
@@ -98,6 +99,18 @@ def test_its_muscles_are_found(fit) -> None:
         assert fit.values[name] == pytest.approx(TRUTH[name], rel=0.05)
     assert fit.parameters["g4"].verdict == "fixed"
     assert not [f for q in fit.quality for f in q.findings if f.channel == "emg_gm"]
+
+
+def test_a_model_with_tendons_is_not_said_to_lack_tendons(trial) -> None:
+    """The joint's own priors of tendons do not make another model of it."""
+    off = trial.assign(torque_Nm=trial["torque_Nm"] + 1.5)
+    lacking = {}
+    for model in ("muscle", "muscle-tendon-strain"):
+        found = contradiction(surae.fit(off, model, prepared=True, starts=1, **WRIST).result)
+        assert found is not None
+        lacking[model] = found.missing
+    assert lacking["muscle"] == ("zero", "delay", "crosstalk", "tendons")
+    assert lacking["muscle-tendon-strain"] == ("zero", "delay", "crosstalk")
 
 
 def test_its_file_keeps_the_joint(fit, tmp_path) -> None:

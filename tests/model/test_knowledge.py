@@ -13,6 +13,8 @@ from surae.model.geometry_file import read_geometry
 from surae.model.joint import ANKLE
 from surae.model.knowledge import Knowledge, Plate
 from surae.model.knowledge_file import known_from, read_knowledge, read_session_toml
+from surae.model.knowledge_priors import priors_of
+from surae.model.knowledge_words import lines_of
 from surae.model.source_table import SOURCES, advice
 from surae.model.statements import StatedArm, StatedAxis, StatedZero
 from surae.model.tare import tared, without
@@ -178,11 +180,11 @@ def test_knowledge_becomes_priors_with_their_own_uncertainty(tmp_path) -> None:
 
 
 def test_arms_and_paths_go_with_the_foot_and_the_foot_with_the_height() -> None:
-    usual = Knowledge(height_cm=175.0).nuisances()
+    usual = priors_of(Knowledge(height_cm=175.0))
     assert [usual[f"arm_scale_{g}"][0] for g in ("tri", "tib")] == [0.0, 0.0]
     tall = Knowledge(height_cm=190.0)
-    by_foot = Knowledge(height_cm=160.0, foot_mm=10 * 0.152 * 190.0).nuisances()
-    for name, (mean, sd) in tall.nuisances().items():
+    by_foot = priors_of(Knowledge(height_cm=160.0, foot_mm=10 * 0.152 * 190.0))
+    for name, (mean, sd) in priors_of(tall).items():
         assert np.exp(mean) == pytest.approx(190.0 / 175.0)
         assert by_foot[name] == (pytest.approx(mean), sd)
         # size tells an arm less well than an image does, and hardly what a path travels
@@ -201,12 +203,12 @@ def test_an_arm_by_excursion_is_that_of_the_model_at_neutral(tmp_path) -> None:
     assert moment_arm(np.zeros(1), 0)[0] * np.exp(mean) == pytest.approx(0.042)
     assert sd == pytest.approx(np.hypot(1.5, 4.0) / 42.0)
     assert settings.beliefs["arm_scale_tib"] == (pytest.approx(np.log(190.0 / 175.0)), 0.08)
-    what, how, stated = settings.knowledge.lines()[0]
+    what, how, stated = lines_of(settings.knowledge)[0]
     assert what == "moment arms"
     assert how == "42 ± 1.5 mm"
     assert "once" in stated
     assert from_plain(FitSettings, settings.as_dict()) == settings
-    (name,) = Knowledge(arm_tib_mm=StatedArm(38.0, 2.0)).nuisances()  # the other as of any leg
+    (name,) = priors_of(Knowledge(arm_tib_mm=StatedArm(38.0, 2.0)))  # the other as of any leg
     assert name == "arm_scale_tib"
 
 
@@ -284,4 +286,4 @@ def test_what_steps_show_fills_what_was_not_said() -> None:
 def test_nothing_known_changes_nothing() -> None:
     assert FitSettings().known == frozenset()
     assert FitSettings().beliefs == "all"
-    assert read_knowledge(TABLE.with_name("session.toml")).nuisances() == {}
+    assert priors_of(read_knowledge(TABLE.with_name("session.toml"))) == {}

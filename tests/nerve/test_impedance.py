@@ -11,8 +11,8 @@ from scipy import signal
 import surae
 from perturbed_ankle import Ankle
 from surae.base.errors import InputError
-from surae.nerve.identify import Number
 from surae.nerve.impedance import number_of, turned
+from surae.nerve.judged import Number
 from surae.nerve.samples import usable
 from surae.nerve.triggered import answering
 from surae.recording import Recording

@@ -8,7 +8,7 @@ import pytest
 from surae.base.words import Message
 from surae.inference import Verdict
 from surae.quality import Quality
-from surae.quality.finding import make_finding
+from surae.quality.finding import worded_finding
 from surae.report.trials import contradictions, findings_section
 
 
@@ -64,7 +64,8 @@ def test_a_session_has_one_zero_of_the_torque() -> None:
 
     def checked(name: str, off: float) -> Quality:
         told = Message(f"It is off by {off} Nm.")
-        found = make_finding("torque-offset", "torque", (0.0, 9.0), off, says=told)
+        advice = Message("advice/torque-offset")
+        found = worded_finding("torque-offset", "torque", (0.0, 9.0), off, told, advice)
         return Quality(name, (found,))
 
     quality = {"a": checked("a", 13.1), "b": checked("b", 16.1), "c": checked("c", 19.3)}

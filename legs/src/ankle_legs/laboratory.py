@@ -133,16 +133,9 @@ def measured_geometry(rng: np.random.Generator, own: Geometry) -> Geometry:
     return Geometry(arms, paths)
 
 
-def measure(
-    family: str,
-    seed: int,
-    steps: Sequence[str] = STEPS,
-    *,
-    wrong: str | None = None,
-    active: int = 2,
-) -> Session:
-    """Return the session of a family's leg."""
-    from ankle_legs.make import PATHS, RELAXED, leg
+def _check(family: str, steps: Sequence[str], wrong: str | None) -> None:
+    """Refuse what no session of a family can be."""
+    from ankle_legs.make import RELAXED
 
     if family in RELAXED:
         raise ValueError(
@@ -155,6 +148,20 @@ def measure(
         raise ValueError(f"nothing called {wrong!r} can be wrong; there are {', '.join(WRONG)}")
     if not {*SECONDS, "active"} & {*steps}:
         raise ValueError("no step has the leg in it; add slow, or active")
+
+
+def measure(
+    family: str,
+    seed: int,
+    steps: Sequence[str] = STEPS,
+    *,
+    wrong: str | None = None,
+    active: int = 2,
+) -> Session:
+    """Return the session of a family's leg."""
+    from ankle_legs.make import PATHS, leg
+
+    _check(family, steps, wrong)
     one = leg(family, seed)
     device = _device(one.rng(21))
     zero = ZERO_SD * one.rng(22).normal()
@@ -216,10 +223,7 @@ def measure(
             k: getattr(device, k) for k in ("inertia", "weight", "angle", "drag", "friction")
         },
     }
-    # minutes of the leg's time, beside trials
-    waits = {"zero": 0.5, "axis": 0.5, "geometry": 2.0, "excursion": 0.75, "again": 0.5}
-    minutes = sum(waits.get(s, 0.0) for s in steps) + sum(t for _, t in moves) / 60
-    minutes += 0.25 * len(moves)
+    minutes = _minutes(steps, [seconds for _, seconds in moves])
     # second statements are of this leg, whatever is wrong with the first
     true = 1000 * one.lasting(one.subject).geometry.arm(np.zeros(1))[:, 0]
     triceps, tibialis = map(float, true + ARM_SD * one.rng(28).normal(size=2))
@@ -229,6 +233,13 @@ def measure(
         *(one, device, files, table, tuple(steps), truth, minutes),
         *((triceps, tibialis), zero_again, (before, above)),
     )
+
+
+def _minutes(steps: Sequence[str], trials: Sequence[float]) -> float:
+    """Return the minutes that a leg is there: its trials [s], and what is beside them."""
+    waits = {"zero": 0.5, "axis": 0.5, "geometry": 2.0, "excursion": 0.75, "again": 0.5}
+    minutes = sum(waits.get(s, 0.0) for s in steps) + sum(trials) / 60
+    return minutes + 0.25 * len(trials)
 
 
 def _other_leg(family: str, seed: int) -> Any:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
 import numpy as np
 
@@ -95,44 +96,62 @@ def write_geometry(path: Path, geometry: Geometry) -> None:
     write_csv(path, columns, "".join(f"# {note}\n" for note in notes))
 
 
+class Choices(TypedDict, total=False):
+    """See `Asked`."""
+
+    seconds: float | None
+    kind: str | None
+    raw: bool
+    film: bool
+    geometry: bool
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a leg's trials are to be."""
+
+    seconds: float | None = None  #: Of each; what is usual for the trial, if None.
+    kind: str | None = None  #: What the leg does; what is usual, if None.
+    raw: bool = False  #: Whether EMG is raw, and no envelope.
+    film: bool = False  #: Whether fascicles are filmed.
+    geometry: bool = False  #: Whether moment arms and lengths are written.
+
+
 def make(
     family: str,
     seed: int,
     output: Path,
     trials: Sequence[int] = (1,),
-    *,
-    seconds: float | None = None,
-    kind: str | None = None,
-    raw: bool = False,
-    film: bool = False,
-    geometry: bool = False,
+    **choices: Unpack[Choices],
 ) -> list[Path]:
     """Write a leg's trials to ``output/FAMILY-SEED`` and its truth to ``output/truth``.
 
     Perturbed and stretched legs have one trial each, and no other choices.
     """
+    asked = Asked(**choices)
     if family in perturbed.families():
         return _make_perturbed(family, seed, output)
     if family in stretched.families():
         return _make_stretched(family, seed, output)
     if not trials:
         raise ValueError("no trial is asked for; give 1 or more")
-    if seconds is not None and not seconds >= 20:
-        raise ValueError(f"{seconds:g} s are too short a trial; give 20 or more")
-    one, folder, emg = leg(family, seed), f"{family}-{seed}", "raw" if raw else "envelope"
+    if asked.seconds is not None and not asked.seconds >= 20:
+        raise ValueError(f"{asked.seconds:g} s are too short a trial; give 20 or more")
+    one, folder = leg(family, seed), f"{family}-{seed}"
+    emg = "raw" if asked.raw else "envelope"
     truths, paths = [], []
-    if geometry:
+    if asked.geometry:
         own = one.lasting(one.subject).geometry
         write_geometry(output / folder / "geometry" / "geometry.csv", own)
     for trial in trials:
-        what, length = one.usual(trial)
-        what, length = kind or what, seconds or length
-        truths.append({"trial": trial, **truth_of(family, seed, trial, (what,), length)})
-        run, name = one.record(trial, length, what), f"trial-{trial}"
-        columns = one.columns(run, trial, raw=raw)
+        usual, length = one.usual(trial)
+        kind, seconds = asked.kind or usual, asked.seconds or length
+        truths.append({"trial": trial, **truth_of(family, seed, trial, (kind,), seconds)})
+        run, name = one.record(trial, seconds, kind), f"trial-{trial}"
+        columns = one.columns(run, trial, raw=asked.raw)
         paths.append(output / folder / f"{name}.csv")
         write_csv(paths[-1], columns, f"# emg: {emg}\n")
-        if film:
+        if asked.film:
             filmed = one.film(run, trial)
             write_csv(output / folder / "film" / f"{name}.csv", filmed)
             paths[-1] = output / folder / f"{name}.toml"

@@ -22,81 +22,109 @@ def _smooth(u: Array) -> Array:
     return np.asarray(u**3 * (10 - 15 * u + 6 * u**2))
 
 
+class _Course:
+    """An angle that is being made up, from one target to the next."""
+
+    def __init__(self, rng: np.random.Generator, times: Array, low: float, high: float) -> None:
+        self.rng = rng
+        self.times = times
+        self.low, self.high, self.span = low, high, high - low
+        self.angle = np.full(times.size, low)
+        self.here, self.now, self.end = low, float(rng.uniform(1.0, 2.0)), float(times[-1])
+
+    def go(self, target: float, seconds: float) -> None:
+        """Go to a target, without a jerk's jump."""
+        away = (target - self.here) * _smooth((self.times - self.now) / seconds)
+        self.angle = self.angle + away
+        self.here, self.now = target, self.now + seconds
+
+    def wait(self, least: float, most: float) -> None:
+        """Stay for a while."""
+        self.now += float(self.rng.uniform(least, most))
+
+    def ladder(self, steps: int = 8) -> None:
+        """Go up in steps of equal height, each held long."""
+        for target in np.linspace(self.low, self.high, steps)[1:]:
+            self.now += (self.end - 8) / steps - 1.0
+            self.go(float(target), 1.0)
+
+    def sweeps(self, least: float, most: float) -> None:
+        """Go through the whole range to and fro, at speeds of at most so many °/s."""
+        while self.now < self.end:
+            speed = np.radians(self.rng.uniform(least, most))
+            for target in (self.high, self.low):
+                self.go(target, 1.9 * self.span / float(speed))
+                self.wait(0.5, 1.5)
+
+    def eight_holds(self) -> None:
+        """Hold eight angles, in an order of their own."""
+        levels = self.rng.permutation(8) / 7
+        each = (self.end - self.now) / 8
+        for i, level in enumerate(levels):
+            self.now = 1.0 + i * each
+            self.go(self.low + (0.03 + 0.94 * float(level)) * self.span, 1.0)
+
+    def ramps(self) -> None:
+        """Go up and down twice, once slowly."""
+        slow = int(self.rng.integers(2))
+        for i in range(2):
+            speed = float(self.rng.uniform(0.2, 0.35) if i == slow else self.rng.uniform(0.5, 1.0))
+            target = self.high - float(self.rng.uniform(0, 0.1)) * self.span
+            self.go(target, self.span / speed)
+            self.wait(0.2, 0.6)
+            target = self.low + float(self.rng.uniform(0, 0.1)) * self.span
+            self.go(target, self.span / float(self.rng.uniform(0.4, 1.0)))
+
+    def holds(self) -> None:
+        """Hold four angles."""
+        levels = self.rng.permutation(np.array([0.2, 0.45, 0.7, 0.92]))
+        for level in levels + self.rng.uniform(-0.08, 0.08, 4):
+            target = self.low + float(level) * self.span
+            fast = float(self.rng.uniform(0.7, 1.4))
+            self.go(target, max(0.5, 1.9 * abs(target - self.here) / fast))
+            self.wait(1.0, 1.8)
+
+    def chirp(self) -> None:
+        """Go to and fro ever faster."""
+        reach = float(self.rng.uniform(0.15, 0.28)) * self.span
+        self.go(self.low + float(self.rng.uniform(0.4, 0.65)) * self.span, 1.2)
+        seconds = 8.0
+        first, last = float(self.rng.uniform(0.1, 0.3)), float(self.rng.uniform(1.0, 1.7))
+        u = np.clip(self.times - self.now, 0, seconds)
+        phase = 2 * np.pi * (first * u + (last - first) * u**2 / (2 * seconds))
+        fade = _smooth(u / 0.8) * _smooth((seconds - u) / 0.8)
+        self.angle = self.angle + reach * fade * np.sin(phase)
+        self.now += seconds
+
+    def mixed(self) -> None:
+        """Ramps, holds and a chirp, in an order of their own, to the end."""
+        blocks = [self.ramps, self.holds, self.chirp]
+        while self.now < self.end:
+            for block in self.rng.permutation(np.arange(3)):
+                blocks[block]()
+
+
 def angles(rng: np.random.Generator, times: Array, low: float, high: float, kind: str) -> Array:
     """Return the angle [rad]: ramps, holds and a chirp, in an order and at speeds of their own.
 
     ``kind`` is "active" or "passive" (both move alike), "curve" (a ladder of long holds),
-    "isometric" (eight angles held, in an order of their own), or "alone" and "maximal" (one held).
+    "isometric" (eight angles held, in an order of their own), "slow" or "fast" (through the whole
+    range, at 8 to 12 or 70 to 110 °/s at most), or "alone" and "maximal" (one held).
     """
-    angle = np.full(times.size, low)
-    here, now = low, float(rng.uniform(1.0, 2.0))
-
-    def go(target: float, seconds: float) -> None:
-        nonlocal here, now, angle
-        angle = angle + (target - here) * _smooth((times - now) / seconds)
-        here, now = target, now + seconds
-
-    span, end = high - low, float(times[-1])
+    course = _Course(rng, times, low, high)
     if kind == "curve":
-        steps = 8
-        for target in np.linspace(low, high, steps)[1:]:
-            now += (end - 8) / steps - 1.0
-            go(float(target), 1.0)
-        return angle
-
-    if kind in ("alone", "maximal"):
-        return np.asarray(angle + 0.5 * span)
-    if kind in ("slow", "fast"):  # through the whole range, at 8 to 12 or 70 to 110 °/s at most
-        while now < end:
-            least, most = (8, 12) if kind == "slow" else (70, 110)
-            speed = np.radians(rng.uniform(least, most))
-            for target in (high, low):
-                go(target, 1.9 * span / float(speed))
-                now += float(rng.uniform(0.5, 1.5))
-        return angle
-    if kind == "isometric":
-        levels = rng.permutation(8) / 7
-        each = (end - now) / 8
-        for i, level in enumerate(levels):
-            now = 1.0 + i * each
-            go(low + (0.03 + 0.94 * float(level)) * span, 1.0)
-        return angle
-
-    def now_wait(least: float, most: float) -> None:
-        nonlocal now
-        now += float(rng.uniform(least, most))
-
-    def ramps() -> None:
-        slow = int(rng.integers(2))
-        for i in range(2):
-            speed = float(rng.uniform(0.2, 0.35) if i == slow else rng.uniform(0.5, 1.0))
-            go(high - float(rng.uniform(0, 0.1)) * span, span / speed)
-            now_wait(0.2, 0.6)
-            go(low + float(rng.uniform(0, 0.1)) * span, span / float(rng.uniform(0.4, 1.0)))
-
-    def holds() -> None:
-        levels = rng.permutation(np.array([0.2, 0.45, 0.7, 0.92])) + rng.uniform(-0.08, 0.08, 4)
-        for level in levels:
-            target = low + float(level) * span
-            go(target, max(0.5, 1.9 * abs(target - here) / float(rng.uniform(0.7, 1.4))))
-            now_wait(1.0, 1.8)
-
-    def chirp() -> None:
-        nonlocal angle, now
-        reach = float(rng.uniform(0.15, 0.28)) * span
-        go(low + float(rng.uniform(0.4, 0.65)) * span, 1.2)
-        seconds, first, last = 8.0, float(rng.uniform(0.1, 0.3)), float(rng.uniform(1.0, 1.7))
-        u = np.clip(times - now, 0, seconds)
-        phase = 2 * np.pi * (first * u + (last - first) * u**2 / (2 * seconds))
-        fade = _smooth(u / 0.8) * _smooth((seconds - u) / 0.8)
-        angle = angle + reach * fade * np.sin(phase)
-        now += seconds
-
-    blocks = [ramps, holds, chirp]
-    while now < end:
-        for block in rng.permutation(np.arange(3)):
-            blocks[block]()
-    return angle
+        course.ladder()
+    elif kind in ("alone", "maximal"):
+        return np.asarray(course.angle + 0.5 * course.span)
+    elif kind == "slow":
+        course.sweeps(8, 12)
+    elif kind == "fast":
+        course.sweeps(70, 110)
+    elif kind == "isometric":
+        course.eight_holds()
+    else:
+        course.mixed()
+    return course.angle
 
 
 def effort(rng: np.random.Generator, times: Array, kind: str) -> Array:

@@ -238,25 +238,28 @@ def stretched_table(said: Iterable[tuple[str, int, dict[str, Any]]]) -> str:
             add(kind, within=near, held=holds, either=near or holds)
             add(kind, sure=sure, sure_near=sure and near, sure_held=sure and holds)
             misses.setdefault(kind + " threshold", []).append(abs(value - angle))
-    lines = []
-    for kind, row in sorted(rows.items()):
-        of = {name: row.get(name, 0) for name in NAMES}
-        lines += [
-            f"{kind}: {of['found']} of {of['stretches']} stretches found, {of['extra']} too many",
-            f"  neural torque of {of['neural']}: within 15 % {of['near']}, interval holds "
-            f"{of['hold']} of {of['bound']}, one of both {of['good']}; median miss "
-            f"{100 * _median(misses.get(kind)):.0f} %; not told: {of['silent_on_some']}",
-            f"  no neural torque in {of['none']}: said so {of['quiet']}; not told: "
-            f"{of['silent_on_none']}",
-            f"  threshold of {of['thresholds']}: told {of['told']}, within 3° {of['within']}, "
-            f"interval holds {of['held']}, one of both {of['either']}; median miss "
-            f"{_median(misses.get(kind + ' threshold')):.1f}°; identified {of['sure']}, within 3° "
-            f"{of['sure_near']}, interval holds {of['sure_held']}; none there {of['none_there']}, "
-            f"claimed {of['claimed']}",
-        ]
+    lines = [line for kind, row in sorted(rows.items()) for line in _counted(kind, row, misses)]
     order = sorted(families.items(), key=lambda item: item[1][1] / max(item[1][0], 1))
     lines.append("neural torque right: " + ", ".join(f"{f} {h} of {n}" for f, (n, h) in order))
     return "\n".join(lines)
+
+
+def _counted(kind: str, row: dict[str, int], misses: dict[str, list[float]]) -> list[str]:
+    """Return what was counted of stretched legs of a kind, in words."""
+    of = {name: row.get(name, 0) for name in NAMES}
+    return [
+        f"{kind}: {of['found']} of {of['stretches']} stretches found, {of['extra']} too many",
+        f"  neural torque of {of['neural']}: within 15 % {of['near']}, interval holds "
+        f"{of['hold']} of {of['bound']}, one of both {of['good']}; median miss "
+        f"{100 * _median(misses.get(kind)):.0f} %; not told: {of['silent_on_some']}",
+        f"  no neural torque in {of['none']}: said so {of['quiet']}; not told: "
+        f"{of['silent_on_none']}",
+        f"  threshold of {of['thresholds']}: told {of['told']}, within 3° {of['within']}, "
+        f"interval holds {of['held']}, one of both {of['either']}; median miss "
+        f"{_median(misses.get(kind + ' threshold')):.1f}°; identified {of['sure']}, within 3° "
+        f"{of['sure_near']}, interval holds {of['sure_held']}; none there {of['none_there']}, "
+        f"claimed {of['claimed']}",
+    ]
 
 
 NAMES = (

@@ -325,14 +325,7 @@ def _one(
     angle = _second_order(command, 2 * np.pi * s.servo, 0.85)
     speed = np.gradient(angle, 1 / FINE)
     n, times = angle.size, np.arange(angle.size) / FINE
-    soft = 1 - t.softening * (part + (1 if s.files == 1 else 0.5) * np.minimum(times / 40, 1)) / 2
-    relaxed = t.elastic(angle) * soft
-    elastic = relaxed + t.relaxes * (relaxed - _first_order(relaxed, t.seconds))
-    if t.grip:
-        elastic = elastic + t.grip * _held(angle, np.radians(1.5), 3.0 * FINE)
-    viscous = t.viscosity * np.sign(speed) * np.abs(speed) ** t.power
-    inertial = t.inertia * np.gradient(speed, 1 / FINE)
-    gravity = t.weight * np.cos(angle - t.tilt)
+    elastic, viscous, inertial, gravity = _passive(s, angle, speed, part)
     beyond = np.zeros((3, n))  # angle beyond each muscle's threshold, after the latency
     then, fast = _late(angle, a.latency), _late(speed, a.latency)
     falls = a.falls * np.sign(fast) * np.abs(fast) ** a.root
@@ -376,35 +369,69 @@ def _one(
     if s.emg != "none":
         seen = _electrodes(s, rng, drive, effort + voluntary)
         columns |= {f"emg_{e}_V": row for e, row in zip(ELECTRODES, seen, strict=True)}
-    whole = torque - effort
-    stretches = []
-    for (start, stop, speed_of), own_onsets in zip(plan, onsets, strict=True):
-        span = slice(round(start * FINE), round((stop + 0.5) * FINE))
-        moving = slice(round(start * FINE), round((stop + 0.05) * FINE))
-        top = int(np.argmax(whole[span]))
-        rise = t.elastic(angle[round((stop + 0.2) * FINE)]) - t.elastic(angle[span][0])
-        stretches.append(
-            {
-                "recording": name + ".csv",
-                "start_s": start,
-                "stop_s": stop,
-                "direction": "dorsiflexion",
-                "speed_deg_s": float(np.degrees(speed[moving].max())),
-                "asked_deg_s": float(np.degrees(speed_of)),
-                "from_deg": float(np.degrees(angle[span][0])),
-                "to_deg": float(np.degrees(angle[span][-1])),
-                "elastic_Nm": float(np.asarray(rise)),
-                "viscous_Nm": float(viscous[moving].max()),
-                "inertial_Nm": float(inertial[moving].max()),
-                "neural_Nm": float(pulled[span].max() - pulled[span][0]),
-                "neural_at_peak_Nm": float(pulled[span][top] - pulled[span][0]),
-                "emg_onset_deg": {
-                    m: None if o is None or s.emg == "none" else float(np.degrees(angle[o]))
-                    for m, o in zip(CALF, own_onsets, strict=True)
-                },
-            }
-        )
+    torques = {
+        "whole": torque - effort,
+        "viscous": viscous,
+        "inertial": inertial,
+        "neural": pulled,
+    }
+    stretches = [
+        {
+            "recording": name + ".csv",
+            **_stretch(t, each, angle, speed, torques),
+            "emg_onset_deg": {
+                m: None if o is None or s.emg == "none" else float(np.degrees(angle[o]))
+                for m, o in zip(CALF, crossed, strict=True)
+            },
+        }
+        for each, crossed in zip(plan, onsets, strict=True)
+    ]
     return Recording(name, s.emg, columns), stretches
+
+
+def _passive(s: Stretches, angle: Array, speed: Array, part: int) -> tuple[Array, ...]:
+    """Return what is no muscle's: elastic, viscous, inertial torque and weight [Nm]."""
+    t = s.tissue
+    times = np.arange(angle.size) / FINE
+    soft = 1 - t.softening * (part + (1 if s.files == 1 else 0.5) * np.minimum(times / 40, 1)) / 2
+    relaxed = t.elastic(angle) * soft
+    elastic = relaxed + t.relaxes * (relaxed - _first_order(relaxed, t.seconds))
+    if t.grip:
+        elastic = elastic + t.grip * _held(angle, np.radians(1.5), 3.0 * FINE)
+    viscous = t.viscosity * np.sign(speed) * np.abs(speed) ** t.power
+    inertial = t.inertia * np.gradient(speed, 1 / FINE)
+    gravity = t.weight * np.cos(angle - t.tilt)
+    return elastic, viscous, inertial, gravity
+
+
+def _stretch(
+    t: Tissue,
+    planned: tuple[float, float, float],
+    angle: Array,
+    speed: Array,
+    torques: dict[str, Array],
+) -> dict[str, Any]:
+    """Return what is true of a stretch, of which start, stop and speed were planned."""
+    start, stop, asked = planned
+    span = slice(round(start * FINE), round((stop + 0.5) * FINE))
+    moving = slice(round(start * FINE), round((stop + 0.05) * FINE))
+    top = int(np.argmax(torques["whole"][span]))
+    rise = t.elastic(angle[round((stop + 0.2) * FINE)]) - t.elastic(angle[span][0])
+    pulled = torques["neural"][span]
+    return {
+        "start_s": start,
+        "stop_s": stop,
+        "direction": "dorsiflexion",
+        "speed_deg_s": float(np.degrees(speed[moving].max())),
+        "asked_deg_s": float(np.degrees(asked)),
+        "from_deg": float(np.degrees(angle[span][0])),
+        "to_deg": float(np.degrees(angle[span][-1])),
+        "elastic_Nm": float(np.asarray(rise)),
+        "viscous_Nm": float(torques["viscous"][moving].max()),
+        "inertial_Nm": float(torques["inertial"][moving].max()),
+        "neural_Nm": float(pulled.max() - pulled[0]),
+        "neural_at_peak_Nm": float(pulled[top] - pulled[0]),
+    }
 
 
 def _wander(rng: np.random.Generator, n: int, seconds: float) -> Array:

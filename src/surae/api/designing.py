@@ -16,12 +16,13 @@ from surae.model import ModelOptions
 from surae.model.laboratory import AUTO
 from surae.nerve.expected import expects, series
 from surae.nerve.movements import telling
-from surae.planning.design import Design, make_design
+from surae.planning.design import Asked, Design, Judges, make_design
 from surae.planning.expectation import NOISE, expected
 from surae.planning.information import filmed
 from surae.planning.legs import Legs, fit_legs, noise_of, population_legs
 from surae.planning.next import NextTrial, fit_precision, measure_next_of
 from surae.planning.ready import ready_protocols, start_for
+from surae.planning.search import Budget
 from surae.planning.session import SessionPlan, best_session
 from surae.protocol import (
     DEVICES,
@@ -108,23 +109,22 @@ def design(
     legs, unseen = (filmed(each, muscles_of(settings.film)) for each in (legs, unseen))
     limits = as_device(device)
     precision = {} if who is None else fit_precision(who, unseen)
+    asked = Asked(
+        f"design of {duration:g} s",
+        float(duration),
+        rate_hz,
+        limits,
+        _range_of(limits, settings.angle_range, settings.population, who),
+        effort,
+        settings.aim,
+    )
+    known = None if after is None else precision["known"]
+    most = settings.evaluations or (_EVALUATIONS if rigid else _EVALUATIONS_COMPLIANT)
     return make_design(
-        name=f"design of {duration:g} s",
-        seconds=float(duration),
-        rate_hz=rate_hz,
-        device=limits,
-        angle_range=_range_of(limits, settings.angle_range, settings.population, who),
-        legs=legs,
-        unseen=unseen,
-        noise=level,
-        aim=settings.aim,
-        effort=effort,
-        evaluations=settings.evaluations or (_EVALUATIONS if rigid else _EVALUATIONS_COMPLIANT),
-        seed=settings.seed,
-        known=None if after is None else precision["known"],
-        precision=precision,
-        progress=progress,
-        start=start_for(duration, AUTO if chosen == AUTO else chosen, settings.aim, effort),
+        asked,
+        Judges(legs, unseen, level, known, precision),
+        Budget(most, settings.seed, progress),
+        start_for(duration, AUTO if chosen == AUTO else chosen, settings.aim, effort),
     )
 
 

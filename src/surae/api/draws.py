@@ -52,4 +52,5 @@ def posterior(fit: Fit, *, progress: Progress | None = None, **settings: Any) ->
         reason = fit.assessment.interval_note
         if common != 1.0:
             reason = f"{reason}; the median over the parameters"
-    return sample(fit.result, **asdict(request), inflation_reason=reason, progress=progress)
+    drawn = sample(fit.result, **asdict(request), progress=progress)
+    return replace(drawn, inflation_reason=reason)

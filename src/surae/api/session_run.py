@@ -125,10 +125,7 @@ class _Run:
                 self.failed[trial.name] = str(explained(error, [trial.recording]))
                 continue
             (self.quality[trial.name],) = checks_for(self.settings, [trial.recording])
-        held = [t.name for t in self.session.trials if t.effort == "isometric" and t.use == "fit"]
-        held = [name for name in held if name in self.quality]
-        together = in_set([self.quality[name] for name in held])
-        self.quality |= dict(zip(held, together, strict=True))
+        self._weigh_holds()
         for name in self.session.fitted:
             if name in self.inputs:
                 self._cost[name] = float(sum(part.n for part in self.inputs[name]))
@@ -137,20 +134,30 @@ class _Run:
         if beside is not None and len(sound) > 1 and self._saved(JOINT, sound) is None:
             beside.begin(sound, *self._of(sound), self.settings)
         for trial in self.session.trials:
-            if trial.name in self.failed:
-                self._step(trial.name, self.failed[trial.name])
-            elif trial.use != "fit":
-                self._step(trial.name, f"not fitted: {trial.why}")
-            elif not trial.moves:
-                self._step(trial.name, "fitted with the other holds")
-            else:
-                name = trial.name
-                fit, outcome = self._fit_or_saved(name, fit_name(name), (name,))
-                if fit is None:
-                    self.failed[name] = outcome
-                else:
-                    self.fits[name] = fit
-                self._step(name, outcome)
+            self._step(trial.name, self._fit_alone(trial))
+
+    def _weigh_holds(self) -> None:
+        """Judge holds by each other: what is wrong with one may be right in a set of them."""
+        held = [t.name for t in self.session.trials if t.effort == "isometric" and t.use == "fit"]
+        held = [name for name in held if name in self.quality]
+        together = in_set([self.quality[name] for name in held])
+        self.quality |= dict(zip(held, together, strict=True))
+
+    def _fit_alone(self, trial: Trial) -> str:
+        """Fit a trial by itself, if it can be; return what came of it."""
+        name = trial.name
+        if name in self.failed:
+            return self.failed[name]
+        if trial.use != "fit":
+            return f"not fitted: {trial.why}"
+        if not trial.moves:
+            return "fitted with the other holds"
+        fit, outcome = self._fit_or_saved(name, fit_name(name), (name,))
+        if fit is None:
+            self.failed[name] = outcome
+        else:
+            self.fits[name] = fit
+        return outcome
 
     def together(self, beside: "_Beside | None") -> None:
         """Fit all trials together that were fitted and have no error."""

@@ -15,9 +15,10 @@ from surae.base.files import PathLike, paths_of, shown
 from surae.base.progress import SearchProgress, line_of_progress
 from surae.inference.least_squares.starts import Follow
 from surae.model.knowledge_file import SESSION_TOML, SessionFile, known_from, read_session_toml
+from surae.model.knowledge_words import lines_of
 from surae.model.laboratory import AUTO
 from surae.recording import Recording
-from surae.recording.corrections import Corrections
+from surae.recording.corrections import CorrectionKeywords, Corrections
 from surae.recording.described import TrialDescription
 from surae.recording.mapping import Description
 from surae.recording.reading import is_mapping, open_mapping, read
@@ -130,11 +131,7 @@ def session(
     condition: str | None = None,
     notes: str | None = None,
     efforts: Mapping[str, str] | None = None,
-    sign: Mapping[str, float] | None = None,
-    scale: Mapping[str, float] | None = None,
-    offset: Mapping[str, float] | None = None,
-    swap: Sequence[Sequence[str]] = (),
-    wrap: Mapping[str, float] | None = None,
+    **corrections: Unpack[CorrectionKeywords],
 ) -> Session:
     """Read the trials of one leg, and decide what each of them is.
 
@@ -151,8 +148,9 @@ def session(
     efforts : mapping of str to str, optional
         Of trials: ``"passive"``, ``"active"``, ``"isometric"``, ``"maximal"``, ``"empty device"``
         or ``"one muscle at a time"``, where the data say otherwise.
-    sign, scale, offset, swap, wrap : optional
-        What is to be put right in all trials, as of `surae.read`.
+    **corrections
+        What is to be put right in all trials: ``sign``, ``scale``, ``offset``, ``swap`` and
+        ``wrap``, as of `surae.read`.
 
     Returns
     -------
@@ -170,7 +168,7 @@ def session(
     """
     description = None if mapping is None else Description.of(open_mapping(mapping))
     sources: list[Any] = paths_of(recordings)  # type: ignore[arg-type]
-    right = Corrections(sign or {}, scale or {}, offset or {}, swap, wrap or {})
+    right = Corrections.of(**corrections)
     in_memory = [reading_of(right(each)) for each in sources if isinstance(each, Recording)]
     paths = [each for each in sources if not isinstance(each, Recording)]
     said = _session_file(paths)
@@ -181,45 +179,52 @@ def session(
         for reading in _readings(trial, path, description, right)
     )
     readings = [*in_memory, *read_in]
-    names = [reading.name for reading in readings]
-    for reading in readings:
-        if names.count(reading.name) > 1:
-            raise InputError(f"two trials are called {reading.name!r}; name them apart")
-    if not readings:
-        raise InputError("there is no recording; give files, a folder or recordings")
-    if all(reading.recording is None for reading in readings):
-        first = readings[0]
-        more = f" (and {len(readings) - 1} more files)" if len(readings) > 1 else ""
-        raise InputError(f"no trial can be read: {first.problem}{more}")
-    if description is not None and (slips := set(description.trials) - set(names)):
-        raise InputError(
-            f"{description.source.shown}: trials.{min(slips)}: there is no such trial; trials: "
-            f"{', '.join(names)}"
-        )
+    _refuse_unusable(readings, description)
     sides = {r.recording.side for r in readings if r.recording is not None and r.recording.side}
     if side is None and len(sides) > 1:
         raise InputError("the trials are of both legs; a session is of one: give side")
-    about = TrialDescription() if description is None else description.mapped()
     kinds = said.kinds({reading.name: reading.path for reading in readings})
     trials = sorted_trials(readings, {**kinds, **(efforts or {})})
-    there = {t.name: t.recording for t in trials if t.recording is not None and not t.problem}
     known = known_from(
         said,
-        there,
+        {t.name: t.recording for t in trials if t.recording is not None and not t.problem},
         {trial.name: trial.effort for trial in trials},
         read=lambda path: _recording(path.stem, path, description, right),
     )
+    about = TrialDescription() if description is None else description.mapped()
     return Session(
         trials=trials,
-        name=name or (description.name if description else None) or _folder_name(paths),
+        name=name or _name_of(description, paths),
         side=side or about.side or next(iter(sides), None),
         date=date or about.date,
         condition=condition or about.condition,
         notes=notes or about.notes,
         mapping=None if description is None else description.source.file,
         efforts=efforts or {},
-        knowledge=known if known.lines() or known.doubts else None,
+        knowledge=known if lines_of(known) or known.doubts else None,
     )
+
+
+def _refuse_unusable(readings: Sequence[Reading], description: Description | None) -> None:
+    """Refuse trials of one name, none at all, none that can be read, and a mapping of others."""
+    names = [reading.name for reading in readings]
+    if twice := [name for name in names if names.count(name) > 1]:
+        raise InputError(f"two trials are called {twice[0]!r}; name them apart")
+    if not readings:
+        raise InputError("there is no recording; give files, a folder or recordings")
+    if all(reading.recording is None for reading in readings):
+        more = f" (and {len(readings) - 1} more files)" if len(readings) > 1 else ""
+        raise InputError(f"no trial can be read: {readings[0].problem}{more}")
+    if description is not None and (slips := set(description.trials) - set(names)):
+        raise InputError(
+            f"{description.source.shown}: trials.{min(slips)}: there is no such trial; trials: "
+            f"{', '.join(names)}"
+        )
+
+
+def _name_of(description: Description | None, paths: Sequence[Any]) -> str:
+    """What a session is called that is given no name."""
+    return (description.name if description else None) or _folder_name(paths)
 
 
 def _session_file(paths: Sequence[Any]) -> SessionFile:

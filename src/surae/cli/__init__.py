@@ -115,33 +115,35 @@ def main() -> NoReturn:
     try:
         code = group.main(arguments, prog_name="surae", standalone_mode=False)
         sys.stdout.flush()
-    except (KeyboardInterrupt, click.Abort):
-        _fail("stopped by the user", 130, debug)
     except click.exceptions.NoArgsIsHelpError as error:
         click.echo(error.format_message())
         sys.exit(0)
-    except click.ClickException as error:
-        context = getattr(error, "ctx", None)
-        hint = f" (see `{context.command_path} --help`)" if context else ""
-        _fail(f"{error.format_message()}{hint}", 2, debug)
-    except StoppedError as error:
-        _fail(str(error), 130, debug)
-    except InputError as error:
-        _fail(str(error), 2, debug)
-    except SuraeError as error:
-        _fail(str(error), 1, debug)
-    except MemoryError:
-        _fail("not enough memory for this recording; cut or downsample it", 1, debug)
     except OSError as error:  # files of the user's have become InputErrors: stdout, the cache
         with suppress(OSError):
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         _fail(f"{error.filename or 'stdout'}: {error.strerror or error}", 1, debug)
-    except Exception as error:
-        if isinstance(error.__cause__ or error.__context__, KeyboardInterrupt):
-            _fail("stopped by the user", 130, debug)  # compiled code makes it a SystemError
-        text = f"{type(error).__name__}: {error}"
-        _fail(f"internal error ({text}); run again with --debug and report it", 1, debug)
+    except (Exception, KeyboardInterrupt) as error:
+        _fail(*_said(error), debug)
     sys.exit(code if isinstance(code, int) else 0)
+
+
+def _said(error: BaseException) -> tuple[str, int]:
+    """What an error says in one line, and the code that the process ends with."""
+    if isinstance(error, KeyboardInterrupt | click.Abort):
+        return "stopped by the user", 130
+    if isinstance(error, click.ClickException):
+        context = getattr(error, "ctx", None)
+        hint = f" (see `{context.command_path} --help`)" if context else ""
+        return f"{error.format_message()}{hint}", 2
+    if isinstance(error, SuraeError):
+        code = {StoppedError: 130, InputError: 2}
+        return str(error), next((n for kind, n in code.items() if isinstance(error, kind)), 1)
+    if isinstance(error, MemoryError):
+        return "not enough memory for this recording; cut or downsample it", 1
+    if isinstance(error.__cause__ or error.__context__, KeyboardInterrupt):
+        return "stopped by the user", 130  # compiled code makes it a SystemError
+    text = f"{type(error).__name__}: {error}"
+    return f"internal error ({text}); run again with --debug and report it", 1
 
 
 def _end_in_order() -> None:

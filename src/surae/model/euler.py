@@ -7,17 +7,8 @@ state, is stiff, and where the muscle is hardly active it chatters between the c
 """
 
 from surae.base.units import FloatArray
-from surae.model.compliant import (
-    ELONGATION,
-    EPS0,
-    F_MAX,
-    FORCE,
-    K_TOE,
-    LENGTH,
-    SPEED,
-    TISSUE,
-    TOE,
-)
+from surae.model.compliant import ELONGATION, FORCE, LENGTH, SPEED, TISSUE
+from surae.model.compliant_stage import EPS0, F_MAX, K_TOE, TOE
 from surae.model.contraction import CURVES, FECC, MVSH, MVSHL, force_length, force_velocity
 from surae.model.equilibrium import solve
 from surae.model.jit import jit

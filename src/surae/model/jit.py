@@ -43,17 +43,24 @@ def compile_all() -> None:
 def compile_half(half: int) -> None:
     """Compile, or load, kernels that Python calls in a fit: one half of `kernels.txt`.
 
-    It names what each takes: real numbers and integers, in arrays of so many dimensions.
+    It names what each takes: real numbers and integers, in arrays of so many dimensions, and tuples
+    of such.
     """
     text = Path(__file__).with_name("kernels.txt").read_text(encoding="utf-8")
-    kinds = {"f": numba.float64, "i": numba.int64}
     for line in text.split("\n\n")[half].splitlines():
         name, *given = line.split()
         module, kernel = name.split(":")
-        types = [
-            numba.types.Array(kinds[g[0]], int(g[1:]), "C") if g[1:] else kinds[g] for g in given
-        ]
-        getattr(import_module(f"surae.{module}"), kernel).compile(tuple(types))
+        types = tuple(map(_type_of, given))
+        getattr(import_module(f"surae.{module}"), kernel).compile(types)
+
+
+def _type_of(word: str) -> Any:
+    """Numba's type by its word: f or i, then dimensions; in parentheses a tuple of them."""
+    types: Any = numba.types
+    if word.startswith("("):
+        return types.Tuple(tuple(map(_type_of, word[1:-1].split(","))))
+    kind = {"f": numba.float64, "i": numba.int64}[word[0]]
+    return types.Array(kind, int(word[1:]), "C") if word[1:] else kind
 
 
 def inner(function: F) -> F:

@@ -22,22 +22,14 @@ from surae.model.statements import Pooled, StatedArm, StatedAxis, StatedNumber, 
 #: How well the scale of a person's own geometry repeats where nobody says [%]: two readers of one
 #: image differ by 3 % (Maganaris et al. 1998).
 GEOMETRY_SD = 3.0
-#: How well a leg's own lengths are known where its arms are told twice [m]; assumed.
-_LENGTH = 0.0025
 #: How well size tells a moment arm [%]: adults' differ by 9.5 % (Wolfram et al. 2018), of which the
 #: foot's length explains half (Waugh et al. 2011), and published legs of one height by 8 to 14 %.
 #: What paths travel is as unknown as of any leg. Arms are assumed of men of so many cm, whose feet
 #: are a part of that (Drillis and Contini 1966).
 SCALED_SD = 8.0
-_TRAVEL = 30.0
+TRAVEL_SD = 30.0
 _HEIGHT = 175.0
 _FOOT = 0.152
-#: What a plate that was tared elsewhere leaves: inertia [kg·m²] and weight [Nm], a tenth of what an
-#: untared one has; assumed.
-_TARED = (0.003, 0.5)
-#: What no tare of the plate tells: the foot's own weight, 1 Nm where it is level, at sin θ where a
-#: seat is reclined by some 30° [Nm]; assumed.
-_SEAT = 0.5
 #: What a tare leaves at least, and the part of both that a foot strapped in may move.
 _LEAST = (5e-4, 0.1)
 _PART = 0.03
@@ -57,7 +49,7 @@ class Plate:
     residual: float = 0.0  #: Standard deviation of what is left of its torque [Nm].
 
     @property
-    def left(self) -> tuple[float, float]:
+    def remaining_sd(self) -> tuple[float, float]:
         """What taking it away leaves, standard deviations: inertia [kg·m²] and weight [Nm]."""
         inertia = self.values[0]
         weight = math.hypot(*self.values[1:3])
@@ -65,18 +57,6 @@ class Plate:
         return (
             max(_LEAST[0], self.sds[0], _PART * abs(inertia)),
             max(_LEAST[1], self.sds[2], _PART * weight),
-        )
-
-    @property
-    def words(self) -> str:
-        """What it is, for readers."""
-        if not self.file:
-            return "taken away before (tared)"
-        (i, c, s, d, f, _), (sd_i, _, _, sd_d, sd_f, _) = self.values, self.sds
-        return (
-            f"inertia {1e3 * i:.1f} ± {1e3 * sd_i:.1f} g·m², "
-            f"weight up to {math.hypot(c, s):.2g} Nm, damping {d:.2g} ± {sd_d:.1g} Nm·s/rad, "
-            f"friction {f:.2g} ± {sd_f:.1g} Nm; taken away"
         )
 
 
@@ -211,69 +191,3 @@ class Knowledge(Request):
         """Whether two statements of a source agree; None where there is no statement."""
         made = self.statements.get("arms" if source == "lengths" else source)
         return None if made is None else bool(made.agrees)
-
-    @property
-    def name(self) -> str:
-        """What it is among other settings."""
-        return "; ".join(f"{what} {how}" for what, how, _ in self.lines()) or "nothing"
-
-    @property
-    def groups(self) -> frozenset[str]:
-        """Groups of nuisances of which something is known: these are in every fit."""
-        known = {
-            "axis": self.axis_mm,
-            "plate": self.plate,
-            "crosstalk": self.crosstalk,
-            "arm": self.size or "arms" in self.statements,
-        }
-        return frozenset(group for group, stated in known.items() if stated)
-
-    def nuisances(self) -> dict[str, tuple[float, float]]:
-        """Priors, mean and standard deviation, by parameter, in SI units."""
-        from surae.model.parameters import OPTIONAL
-
-        priors = dict[str, tuple[float, float]]()
-        made = self.statements
-        if "axis" in made:
-            ways = zip(OPTIONAL["axis"], made["axis"].numbers.values(), strict=True)
-            priors |= {name: (value / 1e3, sd / 1e3) for name, (value, sd) in ways}
-        if self.plate is not None:
-            inertia, weight = self.plate.left if self.plate.file else _TARED
-            sizes = (inertia, weight, max(weight, _SEAT))
-            priors |= {n: (0.0, sd) for n, sd in zip(OPTIONAL["plate"], sizes, strict=True)}
-        priors |= {name: (stated.value, stated.sd) for name, stated in self.crosstalk.items()}
-        if self.size:
-            sds = {"arm_scale": self.geometry_sd_percent or SCALED_SD, "path_scale": _TRAVEL}
-            scales = [n for n in OPTIONAL["arm"] if n.startswith(tuple(sds))]
-            priors |= {name: (math.log(self.size), sds[name[:-4]] / 100.0) for name in scales}
-        if "arms" in made:
-            usual = self.usual
-            arms = made["arms"]
-            for group, (arm, sd) in arms.numbers.items():
-                scale = math.log(arm / usual[group]), sd / arm
-                priors[f"arm_scale_{group}"] = scale
-                if self.geometry_sd_percent is not None and not self.size:
-                    far = scale[0], _TRAVEL / 100.0  # whose it is is not known either
-                    priors[f"path_scale_{group}"] = far if arms.agrees is False else scale
-            if self.geometry and arms.agrees:
-                priors |= dict.fromkeys(OPTIONAL["length_zero"], (0.0, _LENGTH))
-        return priors
-
-    def lines(self) -> tuple[tuple[str, str, str], ...]:
-        """What was known, how well, and where it is from, for readers."""
-        rows = [made.line for made in self.statements.values()]
-        if self.plate is not None:
-            rows.append(("empty device", self.plate.words, self.plate.file or "stated"))
-        if self.geometry:
-            whose = "this person’s" if self.geometry_of == GEOMETRY_OF[1] else "a generic one"
-            rows.append(("lengths and moment arms", whose, self.geometry))
-        if self.size:
-            sd = self.geometry_sd_percent or SCALED_SD
-            how = f"{self.size:.3g} times the assumed, ± {sd:g} %"
-            rows.append(("moment arms", how, "height and foot"))
-        if self.crosstalk:
-            largest = max(self.crosstalk.values(), key=lambda stated: stated.value)
-            sds = sorted(stated.sd for stated in self.crosstalk.values())
-            text = f"at most {100 * largest.value:.0f} % of another muscle’s EMG, ± "
-            rows.append(("crosstalk", f"{text}{100 * sds[len(sds) // 2]:.1f} %", self.crosstalk_of))
-        return tuple(rows)

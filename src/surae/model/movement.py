@@ -7,7 +7,7 @@ measured one would be followed by the angle that it turns. Everything in the leg
 and all its torque is felt by the device times dθ_joint/dθ.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -181,27 +181,14 @@ class Movement:
             second=inputs.second,
         )
         rest = paths(angle=np.zeros(1), velocity=np.zeros(1), options=options)
-        muscles = []
         turned = (joint.angle, joint.factor * velocity)
+        moved = dict(zip(turning, zip(slopes, rates, strict=True), strict=True))
+        muscles = []
         for group, path in enumerate(plain):
             bent, by_own = _own_path(path, float(rest[group].length[0]), *turned, given, group)
-            arm, length, speed = np.zeros((3, len(columns), inputs.n))
-            for row, name in enumerate(columns):
-                if name in by_own:
-                    arm[row], length[row], speed[row] = by_own[name]
-                    arm[row] *= joint.factor
-                elif name in turning:
-                    by = slopes[turning.index(name)]
-                    rate = rates[turning.index(name)]
-                    arm[row] = by.factor * bent.arm + joint.factor * bent.arm_slope * by.angle
-                    length[row] = bent.slope * by.angle
-                    speed[row] = (
-                        bent.bend * by.angle * joint.factor + bent.slope * by.factor
-                    ) * velocity
-                    speed[row] += bent.slope * joint.factor * rate + bent.swept * by.angle
-            muscles.append(
-                MusclePath(joint.factor * bent.arm, bent.length, bent.speed, arm, length, speed)
-            )
+            slopes_of = _path_slopes(bent, by_own, list(columns), joint, moved, velocity)
+            arm = joint.factor * bent.arm
+            muscles.append(MusclePath(arm, bent.length, bent.speed, *slopes_of))
         return LegMovement(
             joint.factor * inertia,
             joint.factor * gravity,
@@ -209,6 +196,34 @@ class Movement:
             columns=tuple(columns.values()),
             limb_slopes=limb_slopes,
         )
+
+
+def _path_slopes(
+    path: Path,
+    by_own: Mapping[str, Sequence[FloatArray]],
+    columns: Sequence[str],
+    joint: JointAngle,
+    moved: Mapping[str, tuple[JointAngle, FloatArray]],
+    velocity: FloatArray,
+) -> FloatArray:
+    """Derivatives of a group's arm, length and speed by columns, shape (3, c, n).
+
+    `by_own` has those of the group's own path, `moved` what turns the joint, and by how much that
+    changes the device's speed.
+    """
+    arm, length, speed = by = np.zeros((3, len(columns), len(velocity)))
+    for row, name in enumerate(columns):
+        if name in by_own:
+            arm[row], length[row], speed[row] = by_own[name]
+            arm[row] *= joint.factor
+        elif name in moved:
+            turn, rate = moved[name]
+            arm[row] = turn.factor * path.arm + joint.factor * path.arm_slope * turn.angle
+            length[row] = path.slope * turn.angle
+            swept = path.bend * turn.angle * joint.factor + path.slope * turn.factor
+            speed[row] = swept * velocity
+            speed[row] += path.slope * joint.factor * rate + path.swept * turn.angle
+    return by
 
 
 def _own_path(

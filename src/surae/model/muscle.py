@@ -44,15 +44,14 @@ class MuscleSimulator(Simulator):
         rigid_torque(
             own,
             into.slots[columns],
-            np.stack([muscle.arm, muscle.length, muscle.speed]),
-            np.stack([muscle.arm_slopes, muscle.length_slopes, muscle.speed_slopes]),
-            into.turned,
-            *exponentials(own, muscle.length),
-            active.alpha[0],
-            active.slopes[:, 0],
-            into.slots[active.columns],
-            self._factor,
-            self._dt,
+            (self._factor, self._dt),
+            (
+                np.stack([muscle.arm, muscle.length, muscle.speed]),
+                np.stack([muscle.arm_slopes, muscle.length_slopes, muscle.speed_slopes]),
+                into.turned,
+            ),
+            exponentials(own, muscle.length),
+            (active.alpha[0], active.slopes[:, 0], into.slots[active.columns]),
             into.torque,
             into.jacobian,
         )

@@ -67,8 +67,7 @@ class Muscle2010Simulator(Simulator):
             optional=optional,
             weights=("e1", "e2", "e3", "e4"),
             emg=integrated(inputs),
-            cutoff="f",
-            damping="",
+            filtered=("f", ""),
         )
         neutral = np.zeros(1)
         rest = paths(angle=neutral, velocity=neutral, options=options)

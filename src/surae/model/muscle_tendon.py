@@ -9,6 +9,7 @@ from surae.base.frozen import read_only
 from surae.base.units import FloatArray
 from surae.model import compliant
 from surae.model.activation import ActiveState, IntArray
+from surae.model.compliant_stage import EPS0, GAMMA, LINEAR, STIFFNESS
 from surae.model.movement import MusclePath
 from surae.model.muscle import GROUP_COLUMNS
 from surae.model.options import ModelOptions
@@ -70,7 +71,7 @@ class DriveResponse:
         out = np.empty((len(first), size))
         arm = self.arms[group]
         if lengths:  # the torque is −arm·stiffness times the length
-            stiffness = self.linear[group, 1, compliant.STIFFNESS]
+            stiffness = self.linear[group, 1, STIFFNESS]
             arm = np.divide(-1.0, stiffness, out=np.zeros(n), where=stiffness > 0.0)
         compliant.drive_columns(
             inputs * shapes, first, self.steps, self.back, self.linear[group], arm, self.keep, out
@@ -101,7 +102,7 @@ class MuscleTendonSimulator(Simulator):
     def __init__(
         self, inputs: ModelInputs, options: ModelOptions, optional: Sequence[str] = ()
     ) -> None:
-        lags = ((1.0 - compliant.GAMMA) / inputs.rate_hz, 0.0)
+        lags = ((1.0 - GAMMA) / inputs.rate_hz, 0.0)
         super().__init__(inputs, options, own=_NAMES, optional=optional, lags=lags)
         self._n = inputs.n
         self._slack = np.array(options.anatomy.slack)
@@ -176,26 +177,16 @@ class MuscleTendonSimulator(Simulator):
         states = np.full((5, len(muscle.length)), np.nan)
         # the last value and the last row are of what the model does not have
         columns = np.concatenate([COLUMNS[group], self._curves[group]])
-        linear = np.empty((0, compliant.LINEAR, 0)) if into.linear is None else into.linear[group]
+        linear = np.empty((0, LINEAR, 0)) if into.linear is None else into.linear[group]
         seen = np.empty((0, 0)) if into.seen is None else into.seen[group]
+        constants = float(self._strain_lengths[group]), self._factor, self._dt, self.rest
         compliant.compliant_states(
             np.append(p, 0.0)[columns],
             np.append(into.slots, len(into.jacobian) - 1)[columns],
-            float(self._strain_lengths[group]),
-            muscle.arm,
-            lengths,
-            active.alpha,
-            active.slopes,
-            into.slots[active.columns],
-            slopes,
-            into.turned[moving],
-            self._factor,
-            self._dt,
-            self.rest,
-            states,
-            into.jacobian,
-            linear,
-            seen,
+            constants,
+            (muscle.arm, lengths, slopes, into.turned[moving]),
+            (active.alpha, active.slopes, into.slots[active.columns]),
+            (states, into.jacobian, linear, seen),
         )
         return states
 
@@ -206,7 +197,7 @@ class MuscleTendonSimulator(Simulator):
         p = np.array(values, dtype=np.float64)
         n = self._n
         leg = self._movement.at(p, columns)
-        linear = np.zeros((2, 2, compliant.LINEAR, n))
+        linear = np.zeros((2, 2, LINEAR, n))
         seen = np.zeros((2, len(columns) + 1, n)) if lengths else None
         into = self._summed(p, columns, leg, linear, seen)
         length, _, _, force, tissue = np.swapaxes(np.stack(into.states), 0, 1)
@@ -232,7 +223,7 @@ class MuscleTendonSimulator(Simulator):
             back,
             linear,
             arms,
-            keep=1.0 / (1.0 + compliant.GAMMA * self._dt * (1.0 + k_rel) / tau),
+            keep=1.0 / (1.0 + GAMMA * self._dt * (1.0 + k_rel) / tau),
         )
 
     def _stages(self, group: int, muscle: MusclePath) -> tuple[FloatArray, FloatArray, IntArray]:
@@ -246,6 +237,6 @@ class MuscleTendonSimulator(Simulator):
         return self._staged[group][1:]
 
     def _law(self, values: FloatArray, group: int) -> TendonLaw:
-        eps0, *others = (float(value) for value in values[COLUMNS[group][compliant.EPS0 :]])
+        eps0, *others = (float(value) for value in values[COLUMNS[group][EPS0:]])
         strain_length = float(self._strain_lengths[group])
         return TendonLaw(float(self._slack[group]), tendon_curve(eps0 * strain_length, *others))

@@ -49,9 +49,9 @@ class Simulator:
 
     `own` are the model's own parameters, the mass first, `optional` its optional ones, which
     follow; `weights` are those of the EMG of TA, GL, SOL, GM, `emg`, shape (4, n), is what they
-    weigh, if it is not the recording's envelopes. `cutoff` and `damping` name the activation
-    filter's; without the latter it is critically damped. Active states are wanted `lags` [s] before
-    each sample.
+    weigh, if it is not the recording's envelopes. `filtered` names the activation filter's cutoff
+    and damping; with "" for the latter it is critically damped. Active states are wanted `lags` [s]
+    before each sample.
     """
 
     def __init__(
@@ -63,15 +63,16 @@ class Simulator:
         optional: Sequence[str],
         weights: tuple[str, ...] = ("g1", "g2", "g3", "g4"),
         emg: FloatArray | None = None,
-        cutoff: str = "f0",
-        damping: str = "beta",
+        filtered: tuple[str, str] = ("f0", "beta"),
         lags: tuple[float, ...] = (0.0,),
     ) -> None:
         self._at = {name: column for column, name in enumerate((*own, *optional))}
         self._dt = 1.0 / inputs.rate_hz
         self._lags = lags
         self._factor = float(options.vmax_factor)
-        self._cutoff, self._damping = self._at[cutoff], self._at.get(damping, -1)
+        cutoff, damping = filtered
+        self._cutoff = self._at[cutoff]
+        self._damping = self._at.get(damping, -1)
         added = ((self._at[name], _TORQUES[name]) for name in optional)
         #: Part, column and torque of one unit of all that adds a torque by itself.
         self._added = [(a.part, column, a.of(inputs)) for column, a in added if a is not None]

@@ -10,7 +10,7 @@ import numpy as np
 from surae.base.units import FloatArray
 from surae.model.activation import IntArray
 from surae.model.contraction import CF, FECC, MVSH, force_velocity
-from surae.model.jit import jit
+from surae.model.jit import inner, jit
 from surae.model.passive import relaxation_step
 
 #: A group's own parameters: stiffness, slack length, optimal length, relaxation.
@@ -93,20 +93,85 @@ def rigid_forces(
     return forces
 
 
+#: Signed moment arm [m], length [m] and lengthening speed [m/s], shape (3, n); their derivatives by
+#: what turns the path, (3, s, n), and the rows of the jacobian these go to, (s,).
+Path = tuple[FloatArray, FloatArray, IntArray]
+#: Elastic force and force-length factor, from `exponentials`.
+Curves = tuple[FloatArray, FloatArray]
+#: Active state, shape (n,), its derivatives, (q, n), and rows of the jacobian they go to, (q,).
+Drive = tuple[FloatArray, FloatArray, IntArray]
+
+#: Rows of what turns the path: sensitivity of the relaxation, and the elastic force's before.
+_OF_RELAXATION, _OF_ELASTIC = range(2)
+#: k [1/m], l0 [m]; ∂ ln f_l/∂x over (l0 − x)·l0.
+_Tissue = tuple[float, float, float]
+#: Coefficients of (10), from `relaxation_step`.
+_Coefficients = tuple[float, float, float]
+#: Length [m], elastic force [N], what the tissue pulls with [N], α·f_l [N], f_v, ∂f_v/∂x' [s/m].
+_Instant = tuple[float, float, float, float, float, float]
+
+
+@inner
+def _turned(
+    i: int,
+    path: Path,
+    before: FloatArray,
+    tissue: _Tissue,
+    step: _Coefficients,
+    now: _Instant,
+    jacobian: FloatArray,
+) -> None:
+    """Add what turns the path, and carry what the relaxation keeps of it, (2, s)."""
+    arms, slopes, turned = path
+    k, l0, bend = tissue
+    x, elastic, force, active, fv, fv_v = now
+    a, b0, b1 = step
+    r = arms[0, i]
+    for j in range(len(turned)):
+        length_by = slopes[1, j, i]
+        now_s = k * elastic * length_by
+        if i > 0:
+            before[_OF_RELAXATION, j] = a * before[_OF_RELAXATION, j] + (
+                b0 * before[_OF_ELASTIC, j] + b1 * now_s
+            )
+        before[_OF_ELASTIC, j] = now_s
+        bent = fv * (l0 - x) * l0 * bend
+        force_s = active * (bent * length_by + fv_v * slopes[2, j, i])
+        if force > 0.0:
+            force_s += now_s - before[_OF_RELAXATION, j]
+        pulled = active * fv + force
+        jacobian[turned[j], i] += slopes[0, j, i] * pulled + r * force_s
+
+
+@inner
+def _at_rest(elastic: float, dc: float, k: float, path: Path) -> FloatArray:
+    """What turns the path in a trial that starts relaxed to its first sample, (2, s)."""
+    slopes = path[1]
+    before = np.empty((2, slopes.shape[1]))
+    for j in range(slopes.shape[1]):
+        before[_OF_ELASTIC, j] = k * elastic * slopes[1, j, 0]
+        before[_OF_RELAXATION, j] = dc * before[_OF_ELASTIC, j]
+    return before
+
+
+@inner
+def _driven(gains: FloatArray, drive: Drive, jacobian: FloatArray) -> None:
+    """Add the torque's derivatives by what moves the active state."""
+    _, slopes, slots = drive
+    for j in range(len(slots)):
+        row = jacobian[slots[j]]
+        for i in range(len(gains)):
+            row[i] += gains[i] * slopes[j, i]
+
+
 @jit
 def rigid_torque(
     p: FloatArray,
     slots: IntArray,
-    path: FloatArray,
-    path_slopes: FloatArray,
-    turned: IntArray,
-    elastic: FloatArray,
-    fl: FloatArray,
-    alpha: FloatArray,
-    alpha_slopes: FloatArray,
-    alpha_slots: IntArray,
-    factor: float,
-    dt: float,
+    constants: tuple[float, float],
+    path: Path,
+    curves: Curves,
+    drive: Drive,
     torque: FloatArray,
     jacobian: FloatArray,
 ) -> None:
@@ -114,56 +179,54 @@ def rigid_torque(
 
     Parameters
     ----------
-    p, elastic, fl, alpha, factor, dt
-        As in `rigid_forces`.
+    p : ndarray, shape (5,)
+        The group's parameters, as in `exponentials`.
     slots : ndarray of int, shape (5,)
         Row of the jacobian that belongs to each parameter.
-    path : ndarray, shape (3, n)
-        Signed moment arm [m], length [m] and lengthening speed [m/s].
-    path_slopes, turned : ndarray, shape (3, s, n) and (s,)
-        Derivatives of the path by what turns it, and the rows of the jacobian they go to.
-    alpha_slopes, alpha_slots : ndarray, shape (q, n) and (q,)
-        Derivatives of the active state, and the rows of the jacobian they go to.
+    constants : tuple of float
+        vmax in optimal lengths per second; sample time [s].
+    path : tuple of ndarray
+        Signed moment arm [m], length [m] and lengthening speed [m/s], shape (3, n); their
+        derivatives by what turns them, shape (3, s, n), and the rows of the jacobian they go to.
+    curves : tuple of ndarray, shape (n,)
+        From `exponentials`.
+    drive : tuple of ndarray
+        Active state [N], shape (n,); its derivatives, shape (q, n), and the rows of the jacobian
+        they go to.
     torque : ndarray, shape (n,)
         Is added to [Nm].
     jacobian : ndarray, shape (rows, n)
         Is added to, one contiguous row a parameter.
     """
-    arm = path[0]
-    length = path[1]
-    speed = path[2]
-    arm_by = path_slopes[0]
-    length_by = path_slopes[1]
-    speed_by = path_slopes[2]
-    n = len(length)
-    gains = np.empty(n)  # torque per active state [m]
+    factor, dt = constants
+    length = path[0][1]
+    speed = path[0][2]
+    elastic, fl = curves
+    alpha = drive[0]
+    gains = np.empty(len(length))  # torque per active state [m]
     a, b0, b1, a_t, b0_t, b1_t, a_k, b0_k, b1_k = relaxation_step(p[TAU], p[K_REL], dt)
     dc = p[K_REL] / (1.0 + p[K_REL])
     dc_k = 1.0 / (1.0 + p[K_REL]) ** 2
     k = p[K]
-    x0 = p[X0]
     l0 = p[L0]
     vmax = factor * l0
-    bend = 2.0 / (CF * l0**3)
+    tissue = (k, l0, 2.0 / (CF * l0**3))
     by_k = jacobian[slots[K]]
     by_x0 = jacobian[slots[X0]]
     by_l0 = jacobian[slots[L0]]
-    by_tau = jacobian[slots[TAU]]
-    by_rel = jacobian[slots[K_REL]]
     # relaxation and its sensitivities by k, tau_rel, k_rel; by x0 all is −k times itself
     before = elastic[0]
-    before_k = (length[0] - x0) * before
+    before_k = (length[0] - p[X0]) * before
     z = dc * before
     z_k = dc * before_k
     z_t = 0.0
     z_r = dc_k * before
-    before_s = k * before * length_by[:, 0]
-    z_s = dc * before_s
-    for i in range(n):
+    before_s = _at_rest(before, dc, k, path)
+    for i in range(len(length)):
         x = length[i]
-        r = arm[i]
+        r = path[0][0, i]
         now = elastic[i]
-        now_k = (x - x0) * now
+        now_k = (x - p[X0]) * now
         if i > 0:
             z_t = a * z_t + (a_t * z + (b0_t * before + b1_t * now))
             z_r = a * z_r + (a_k * z + (b0_k * before + b1_k * now))
@@ -177,26 +240,14 @@ def rigid_torque(
         else:  # also where the exponential overflowed: the torque is not a number then
             by_k[i] += r * (now_k - z_k)
             by_x0[i] -= r * k * force
-            by_tau[i] -= r * z_t
-            by_rel[i] -= r * z_r
+            jacobian[slots[TAU], i] -= r * z_t
+            jacobian[slots[K_REL], i] -= r * z_r
         fv, fv_v, _, _ = force_velocity(speed[i], vmax, MVSH, FECC - 1.0)
-        gain = r * fl[i] * fv
-        gains[i] = gain
-        torque[i] += r * force + gain * alpha[i]
-        fv_vmax = -speed[i] / vmax * fv_v
-        by_l0[i] += alpha[i] * (gain * (x - l0) * x * bend + r * fl[i] * fv_vmax * factor)
-        for j in range(len(turned)):
-            now_s = k * now * length_by[j, i]
-            if i > 0:
-                z_s[j] = a * z_s[j] + (b0 * before_s[j] + b1 * now_s)
-            before_s[j] = now_s
-            bent = fv * (l0 - x) * l0 * bend
-            force_s = alpha[i] * fl[i] * (bent * length_by[j, i] + fv_v * speed_by[j, i])
-            if force > 0.0:
-                force_s += now_s - z_s[j]
-            pulled = alpha[i] * fl[i] * fv + force
-            jacobian[turned[j], i] += arm_by[j, i] * pulled + r * force_s
-    for j in range(len(alpha_slots)):
-        row = jacobian[alpha_slots[j]]
-        for i in range(n):
-            row[i] += gains[i] * alpha_slopes[j, i]
+        gains[i] = r * fl[i] * fv
+        torque[i] += r * force + gains[i] * alpha[i]
+        by_l0[i] += alpha[i] * (
+            gains[i] * (x - l0) * x * tissue[2] + r * fl[i] * (-speed[i] / vmax * fv_v) * factor
+        )
+        instant = (x, now, force, alpha[i] * fl[i], fv, fv_v)
+        _turned(i, path, before_s, tissue, (a, b0, b1), instant, jacobian)
+    _driven(gains, drive, jacobian)

@@ -11,8 +11,8 @@ from surae.base.frozen import FrozenDict
 from surae.base.records import Saved
 from surae.base.tables import Tabular, TextTable
 from surae.base.words import N_, Message
-from surae.nerve.identify import Number
 from surae.nerve.impedance import MEASURES, NerveMeasure, Perturbed, ReflexPath, number_of
+from surae.nerve.judged import Number
 
 
 @dataclass(frozen=True, slots=True, repr=False)

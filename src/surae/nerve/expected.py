@@ -12,8 +12,8 @@ from surae.base.formatting import NO_NUMBER, of_interval
 from surae.base.progress import Progress
 from surae.base.records import Saved, read_json, to_plain
 from surae.base.tables import Tabular, TextTable
-from surae.nerve.identify import Number
 from surae.nerve.impedance import NerveMeasure, number_of, perturbed
+from surae.nerve.judged import Number
 from surae.nerve.made import USUAL, perturbed_leg, stretched_leg
 from surae.nerve.ramps import MOVING, RANGE
 from surae.nerve.samples import runs

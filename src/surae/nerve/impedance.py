@@ -1,6 +1,6 @@
 """What small random perturbations say of one ankle: tissue and reflex, and what each is worth."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -13,19 +13,12 @@ from surae.base.units import FloatArray
 from surae.base.words import N_, Message
 from surae.nerve.cascade import BOUNDS, muscle
 from surae.nerve.fitting import Fitted, Problem, noise_of
-from surae.nerve.identify import (
-    CHANGING,
-    INTRINSIC,
-    MISFIT,
-    PLAIN,
-    Cascade,
-    Judged,
-    Number,
-    identify,
-)
+from surae.nerve.identify import CHANGING, Cascade, identify
+from surae.nerve.judged import INTRINSIC, Judged, Number
 from surae.nerve.piece import Piece
 from surae.nerve.presence import LEAST_SHARE, NATS, NONE_SEEN, OVER_NONE, OVER_OTHER, Weighed
 from surae.nerve.response import falls_short, lags, predicted, responses
+from surae.nerve.rivals import MISFIT, PLAIN
 from surae.nerve.samples import Samples, measured, usable
 from surae.nerve.triggered import answering
 from surae.recording import Recording
@@ -238,84 +231,27 @@ def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Pertur
         return said[-1].verdict == "present"
 
     found = identify(pieces, halves, samples.band[1], judge)
-    reflex = said[-1]
-    notes = list(samples.notes)
     if found.numbers["intrinsic_viscosity"].high < 0.0:
         raise InputError(
             f"{recording.where}: the leg drives the movement, not the device: a voluntary one, "
             "or an angle and a torque that do not belong together; perturb a leg that holds still"
         )
-    hidden = {
-        "reflex_share": (0.0, found.unseen[0]),
-        "reflex_gain": (0.0, found.unseen[1]),
-        "reflex_delay": (1e3 * BOUNDS["delay"][0], 1e3 * BOUNDS["delay"][1]),
-    }
-    told = found.numbers
     behind = falls_short(pieces, [found.fitted.prediction(p) for p in pieces])
-    if behind > BEHIND:
-        notes.append(
-            Message(
-                N_(
-                    "The torque stays behind at its largest, as if its channel were at "
-                    "its limit: raise its range, and do not filter what was limited."
-                )
-            )
-        )
-        told = {name: number.allowing(behind) for name, number in told.items()}
-    if reflex.verdict != "present" and (behind > BEHIND or found.misfit > MISFIT):
-        doubt = N_(
-            "the equations miss something that the torque shows, maybe a reflex of another kind"
-        )
-        if behind > BEHIND:
-            doubt = N_("the torque stays behind at its largest")
-        reflex = ReflexPath("cannot tell", None, Message(doubt))
-        hidden = {}
-    none = N_("no reflex is claimed ({verdict})")
-    if hidden:
-        none = N_("no reflex is claimed ({verdict}); the interval is what one may have unseen")
-    why = Message(none, verdict=Message(reflex.verdict))
-    below = [n for n in ("intrinsic_stiffness", "inertia") if told[n].value <= 0.0]
-    if below:  # the search lost its way, or the torque's sign is wrong: nothing is claimed
-        ended = N_(
-            "the fit ended at inertia below zero, which no leg has: look at the torque’s sign"
-        )
-        if below[0] != "inertia":
-            ended = N_(
-                "the fit ended at stiffness below zero, which no leg has: look at the torque’s sign"
-            )
-        why = Message(ended)
-        reflex = ReflexPath("cannot tell", None, why)
-        told = {}
-        hidden = {}
+    claimed = _claimed(found, said[-1], behind)
     measures = {
         name: number_of(
-            name, told.get(name), "" if name in told else why, hidden.get(name, (0.0, np.inf))
+            name,
+            claimed.numbers.get(name),
+            "" if name in claimed.numbers else claimed.why,
+            claimed.hidden.get(name, (0.0, np.inf)),
         )
         for name in MEASURES
     }
     measures["inertia"] = _without(measures["inertia"], empty)
-    if any(np.any(piece.jumps) for piece in pieces):
-        notes.append(
-            Message(
-                N_(
-                    "The torque jumps between samples, so that its time is known to half "
-                    "a sample and viscosity and inertia are less sure: filter it before "
-                    "it is sampled, or record faster."
-                )
-            )
-        )
-    if found.misfit > MISFIT:
-        notes.append(
-            Message(
-                N_(
-                    "The equations miss something that the torque shows: intervals "
-                    "contain what other structures say, by their values."
-                )
-            )
-        )
+    stationarity = _stationarity(found)
+    notes = [*samples.notes, *_notes(pieces, found, behind)]
     if heard := answering(recording, samples, found.direction):
         notes.append(heard)
-    stationarity = _stationarity(found)
     if stationarity.verdict == "changes":
         notes.append(
             Message(N_("The stiffness changes during the recording: its value is a mean."))
@@ -330,13 +266,83 @@ def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Pertur
         predicted(halves[1], halves[0], path),
         predicted(halves[1], halves[0], 0),
         predicted(halves[1], halves[0], -path),
-        reflex,
+        claimed.reflex,
         FrozenDict(measures),
         FrozenDict({n: (k.value, k.low, k.high) for n, k in found.structures.items()}),
         stationarity,
         tuple(notes),
         _curves(pieces, found, path),
     )
+
+
+@dataclass(frozen=True, slots=True)
+class _Claimed:
+    """What is claimed of a leg."""
+
+    reflex: ReflexPath
+    numbers: Mapping[str, Number]  #: Of measures; those of a reflex only where one is present.
+    hidden: Mapping[str, tuple[float, float]]  #: What a reflex may have that is not seen.
+    why: Message  #: Why what has no number has none.
+
+
+def _claimed(found: Cascade, reflex: ReflexPath, behind: float) -> _Claimed:
+    """What is claimed, where the torque stays `behind` by a part of its largest."""
+    numbers = found.numbers
+    below = [n for n in ("intrinsic_stiffness", "inertia") if numbers[n].value <= 0.0]
+    if below:  # the search lost its way, or the torque's sign is wrong: nothing is claimed
+        ended = N_(
+            "the fit ended at inertia below zero, which no leg has: look at the torque’s sign"
+        )
+        if below[0] != "inertia":
+            ended = N_(
+                "the fit ended at stiffness below zero, which no leg has: look at the torque’s sign"
+            )
+        why = Message(ended)
+        return _Claimed(ReflexPath("cannot tell", None, why), {}, {}, why)
+    if behind > BEHIND:
+        numbers = {name: number.allowing(behind) for name, number in numbers.items()}
+    if reflex.verdict != "present" and (behind > BEHIND or found.misfit > MISFIT):
+        doubt = N_(
+            "the equations miss something that the torque shows, maybe a reflex of another kind"
+        )
+        if behind > BEHIND:
+            doubt = N_("the torque stays behind at its largest")
+        reflex = ReflexPath("cannot tell", None, Message(doubt))
+        none = N_("no reflex is claimed ({verdict})")
+        return _Claimed(reflex, numbers, {}, Message(none, verdict=Message(reflex.verdict)))
+    hidden = {
+        "reflex_share": (0.0, found.unseen[0]),
+        "reflex_gain": (0.0, found.unseen[1]),
+        "reflex_delay": (1e3 * BOUNDS["delay"][0], 1e3 * BOUNDS["delay"][1]),
+    }
+    none = N_("no reflex is claimed ({verdict}); the interval is what one may have unseen")
+    return _Claimed(reflex, numbers, hidden, Message(none, verdict=Message(reflex.verdict)))
+
+
+def _notes(pieces: Sequence[Piece], found: Cascade, behind: float) -> Iterator[Message]:
+    """What makes numbers less sure, and what to do about it."""
+    if behind > BEHIND:
+        yield Message(
+            N_(
+                "The torque stays behind at its largest, as if its channel were at "
+                "its limit: raise its range, and do not filter what was limited."
+            )
+        )
+    if any(np.any(piece.jumps) for piece in pieces):
+        yield Message(
+            N_(
+                "The torque jumps between samples, so that its time is known to half "
+                "a sample and viscosity and inertia are less sure: filter it before "
+                "it is sampled, or record faster."
+            )
+        )
+    if found.misfit > MISFIT:
+        yield Message(
+            N_(
+                "The equations miss something that the torque shows: intervals "
+                "contain what other structures say, by their values."
+            )
+        )
 
 
 def samples_of(recording: Recording) -> Samples:

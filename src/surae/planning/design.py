@@ -12,7 +12,6 @@ from surae.base.file_form import filed
 from surae.base.files import PathLike
 from surae.base.formatting import part
 from surae.base.frozen import Comparable, FrozenDict
-from surae.base.progress import SearchProgress
 from surae.base.records import Plain
 from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
@@ -23,7 +22,7 @@ from surae.planning.information import SINGULAR, information, prior_precision
 from surae.planning.legs import Legs
 from surae.planning.plan import Limits, Plan, eased, highest_hz, limits_of
 from surae.planning.ready import Ready
-from surae.planning.search import MEAN, SEARCH_RATE, WORST, make_aim, search
+from surae.planning.search import MEAN, SEARCH_RATE, WORST, Budget, make_aim, search
 from surae.planning.torque import within_torque
 from surae.protocol import Device, Trajectory, write_protocol
 
@@ -74,52 +73,56 @@ class Design(Tabular, Comparable, Plain):
         write_protocol(self.trajectory, path, without_limits=without_limits)
 
 
-def make_design(
-    *,
-    name: str,
-    seconds: float,
-    rate_hz: float,
-    device: Device | None,
-    angle_range: tuple[float, float],
-    legs: Legs,
-    unseen: Legs,
-    noise: float,
-    aim: str,
-    effort: bool,
-    evaluations: int,
-    seed: int,
-    known: FloatArray | None = None,
-    precision: Mapping[str, Any] = FrozenDict(),
-    start: Ready | None = None,
-    progress: SearchProgress | None = None,
-) -> Design:
-    """Search a protocol, hold it to the device, and judge it.
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What kind of a protocol is asked for."""
 
-    It is searched for `legs`, from the protocol `start`, and judged by `unseen` legs; `noise` [Nm]
-    is that of one sample at `rate_hz`, all else as of `search` and `make_aim`. Where the device
-    cannot do it, the message says what to give up.
+    name: str  #: What it is to be called.
+    seconds: float  #: Duration [s].
+    rate_hz: float  #: At which it is written and recorded.
+    device: Device | None  #: Whose limits hold.
+    angle_range: tuple[float, float]  #: Of the subject [rad].
+    effort: bool  #: Whether the subject's efforts are designed too.
+    aim: str  #: What is to be known well, as of `make_aim`.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Judges:
+    """By which legs protocols are judged, and what is known without the trial."""
+
+    legs: Legs  #: While it is searched.
+    unseen: Legs  #: Others, by which the end is judged.
+    noise: float  #: Of one sample of the torque [Nm].
+    known: FloatArray | None = None  #: Information without the trial, shape (p, p).
+    precision: Mapping[str, Any] = FrozenDict()  #: As of `expected`.
+
+
+def make_design(asked: Asked, judges: Judges, budget: Budget, start: Ready | None = None) -> Design:
+    """Search a protocol from `start`, hold it to the device, and judge it.
+
+    Where the device cannot do it, the message says what to give up.
     """
     begin = time.perf_counter()
-    limits = limits_of(device, angle_range)
-    genes = Genes(name, seconds, limits, highest_hz(device), effort)
+    device = asked.device
+    unseen = judges.unseen
+    limits = limits_of(device, asked.angle_range)
+    genes = Genes(asked.name, asked.seconds, limits, highest_hz(device), asked.effort)
     torque = math.inf if device is None else device.max_torque
     relaxed = eased(genes.plan(genes.start()), 0.0)
     _, limits, given_up = within_torque(relaxed, limits, unseen, device)
     genes = replace(genes, limits=limits)
     result = search(
         genes,
-        legs,
-        make_aim(aim, legs),
-        noise=noise * (SEARCH_RATE / rate_hz) ** 0.5,
+        judges.legs,
+        make_aim(asked.aim, judges.legs),
+        noise=judges.noise * (SEARCH_RATE / asked.rate_hz) ** 0.5,
         torque=_RESERVE * torque,
-        evaluations=evaluations,
-        seed=seed,
-        known=known,
+        budget=budget,
+        known=judges.known,
         start=None if start is None else genes.carried(start.genes, start.counts),
-        progress=progress,
     )
     plan, limits, notes = within_torque(genes.plan(result.genes), limits, unseen, device)
-    trajectory = plan.trajectory(limits, rate_hz, device=device, legs=unseen.spec.name)
+    trajectory = plan.trajectory(limits, asked.rate_hz, device=device, legs=unseen.spec.name)
     span = float(np.ptp(trajectory.angle)) / (limits.high - limits.low)
     reached = () if span > 0.98 else (Message("plan/used", percent=100 * span),)
     if result.stopped:
@@ -129,8 +132,8 @@ def make_design(
         limits,
         trajectory,
         device,
-        expectation=expected(trajectory, unseen, noise, **precision),
-        aimed=FrozenDict(_aimed(trajectory, unseen, noise, aim, known)),
+        expectation=expected(trajectory, unseen, judges.noise, **judges.precision),
+        aimed=FrozenDict(_aimed(trajectory, unseen, judges.noise, asked.aim, judges.known)),
         notes=(*reached, *given_up[:-1], *notes),
         curve=result.curve,
         seconds=time.perf_counter() - begin,

@@ -87,8 +87,13 @@ class Plan:
 
     def motion(self, t: FloatArray, limits: Sequence[float]) -> Motion:
         """Angle, velocity and acceleration at increasing times `t`; they keep the limits there."""
+        low, high, fastest, sharpest = limits
         angle, velocity, acceleration = plan_motion(
-            t, _rows(self.ramps, 3), self.origin, self.blend, _rows(self.shakes, 5), *limits
+            t,
+            _rows(self.ramps, 3),
+            (self.origin, self.blend),
+            _rows(self.shakes, 5),
+            (low, high, fastest, sharpest),
         )
         return angle, velocity, acceleration
 

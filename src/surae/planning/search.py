@@ -138,6 +138,16 @@ class Search(Comparable):
     stopped: bool  #: Whether Ctrl-C ended it.
 
 
+@dataclass(frozen=True, slots=True)
+class Budget:
+    """How long a protocol is searched."""
+
+    evaluations: int  #: Plans that are judged, at most.
+    seed: int  #: Of the search.
+    #: Called with plans judged, of how many, and the best cost.
+    progress: SearchProgress | None = None
+
+
 class _SpentError(Exception):
     """All evaluations have been made."""
 
@@ -149,11 +159,9 @@ def search(
     *,
     noise: float,
     torque: float,
-    evaluations: int,
-    seed: int,
+    budget: Budget,
     known: FloatArray | None = None,
     start: FloatArray | None = None,
-    progress: SearchProgress | None = None,
 ) -> Search:
     """Search the plan of the smallest cost; the same arguments always find the same one.
 
@@ -187,7 +195,7 @@ def search(
     def judge(x: FloatArray) -> float:
         nonlocal best, lowest, count
         checkpoint()
-        if count >= evaluations:
+        if count >= budget.evaluations:
             raise _SpentError
         value = cost(x)
         count += 1
@@ -196,8 +204,8 @@ def search(
                 curve.append((count, time.perf_counter() - begin, value))
             best = np.array(x)
             lowest = value
-        if progress is not None and count % 50 == 0:
-            progress(count, evaluations, lowest)
+        if budget.progress is not None and count % 50 == 0:
+            budget.progress(count, budget.evaluations, lowest)
         return value
 
     stopped = False
@@ -207,7 +215,7 @@ def search(
             strategy = SepCMA(
                 mean=best,
                 sigma=_SIGMA if start is None else _NEAR,
-                seed=seed,
+                seed=budget.seed,
                 population_size=_POPULATION,
             )
             while True:

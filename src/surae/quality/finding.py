@@ -1,7 +1,7 @@
 """What a check of a recording says, as plain data."""
 
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.resources import files
 from typing import Any, Literal
 
@@ -177,29 +177,37 @@ def make_finding(
     severity: Severity | None = None,
     unit: str | None = None,
     advice: str = "",
-    says: Message | None = None,
     joint: Joint = ANKLE,
     **values: Any,
 ) -> Finding:
     """A finding; what is not given is as of its kind.
 
-    The sentences of `which`, and of `advice` where that is another one or a message, are filled in
-    with the `values`; a message that `says` what was found takes the place of the first.
+    The sentences of `which`, and of `advice` where that is another one, are filled in with the
+    `values`.
     """
     code = which.partition("/")[0]
+    asked = f"advice/{advice or which}"
+    known = asked if asked in english() else f"advice/{code}"
+    says = Message(f"found/{which}", joint.worded, **values)
+    made = worded_finding(code, channel, span, value, says, Message(known, joint.worded, **values))
+    return replace(
+        made,
+        severity=severity or made.severity,
+        unit=made.unit if unit is None else unit,
+    )
+
+
+def worded_finding(
+    code: str,
+    channel: str | None,
+    span: tuple[float, float],
+    value: float | None,
+    says: Message,
+    advice: Message,
+) -> Finding:
+    """A finding of a code's severity and unit that says and advises something of its own."""
     kind = KINDS[code]
-    if not isinstance(advice, Message):
-        own = f"advice/{advice or which}"
-        known = own if own in english() else f"advice/{code}"
-        advice = Message(known, joint.worded, **values)
+    begin, end = span
     return Finding(
-        code,
-        severity or kind.severity,
-        channel,
-        float(span[0]),
-        float(span[1]),
-        value,
-        kind.unit if unit is None else unit,
-        says or Message(f"found/{which}", joint.worded, **values),
-        advice,
+        code, kind.severity, channel, float(begin), float(end), value, kind.unit, says, advice
     )

@@ -31,7 +31,7 @@ PERTURBED_HZ = 5.0
 #: that is put in its place has moved once.
 _GOES_ON_S = 2.0
 _GOES_ON = 0.5
-#: Least speed [rad/s] and range [rad] of a stretch, and its hold [s], as in `surae-nerve`; speed of
+#: Least speed [rad/s] and range [rad] of a stretch, and its hold [s], as in `surae.nerve`; speed of
 #: a fast one [rad/s] (Tardieu's V3: as fast as possible), and a slow one's part of it.
 RAMP = (0.035, 0.087, 0.2)
 FAST = 1.7

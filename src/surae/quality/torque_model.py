@@ -117,13 +117,7 @@ def torque_model(
     alone = _solve(passive, y)[1]
     total = float(((y - y.mean()) ** 2).sum())
     speed = np.tanh(np.gradient(smooth(angle, width), 1.0 / rate))
-    groups: dict[str, list[FloatArray]] = {}
-    for muscle, envelope in envelopes.items():
-        # What an electrode shows at rest moves nothing.
-        active = activation(np.maximum(envelope - quantile(envelope, 0.05), 0.0), rate)
-        top = float(active.max())
-        if top > 0.0:
-            groups.setdefault("ta" if muscle == "ta" else "triceps", []).append(active / top)
+    groups = _groups(envelopes, rate)
     if not groups or total <= 0.0:
         unexplained = y - np.column_stack(passive) @ _solve(passive, y)[0]
         return TorqueModel(None, {}, {}, {}, 0.0, 0.0, time[keep], unexplained)
@@ -143,24 +137,17 @@ def torque_model(
     best = int(np.argmin(together))
     group_lag = {}
     group_gain = {}
-    if len(groups) > 1:
-        for name in groups:
-            others = {other: np.full(len(lags), best) for other in groups if other != name}
-            alone_at = squares({name: every, **others})
-            group_lag[name] = _vertex(lags, alone_at)
-            own = float(alone_at.min())
-            group_gain[name] = float(together[best]) / own - 1.0 if own > 0.0 else 0.0
+    for name in groups if len(groups) > 1 else ():
+        others = {other: np.full(len(lags), best) for other in groups if other != name}
+        alone_at = squares({name: every, **others})
+        group_lag[name] = _vertex(lags, alone_at)
+        least = float(alone_at.min())
+        group_gain[name] = float(together[best]) / least - 1.0 if least > 0.0 else 0.0
     moved = {name: columns[:, at[best]] for name, columns in smoothed.items()}
     columns = [*passive, *(c for name in groups for c in moved[name])]
     weights, rest = _solve(columns, y)
-    part = {}
-    first = len(passive)
-    for name in groups:
-        mine = moved[name]
-        torque_of = weights[first : first + len(mine)] @ mine
-        level = np.mean(mine[: len(groups[name])], axis=0)
-        part[name] = float((level * torque_of).sum() / max(float(level.sum()), 1e-300))
-        first += len(mine)
+    sizes = {name: len(each) for name, each in groups.items()}
+    part = _torque_parts(moved, weights[len(passive) :], sizes)
     away = round(0.18 / _STEP)
     beside = min(together[max(best - away, 0)], together[min(best + away, len(lags) - 1)])
     least = float(together[best])
@@ -176,6 +163,32 @@ def torque_model(
         time[keep],
         y - weights @ np.array(columns),
     )
+
+
+def _groups(envelopes: dict[str, FloatArray], rate: float) -> dict[str, list[FloatArray]]:
+    """Active states of the muscles of each group, each as a part of its greatest."""
+    groups: dict[str, list[FloatArray]] = {}
+    for muscle, envelope in envelopes.items():
+        # What an electrode shows at rest moves nothing.
+        active = activation(np.maximum(envelope - quantile(envelope, 0.05), 0.0), rate)
+        top = float(active.max())
+        if top > 0.0:
+            groups.setdefault("ta" if muscle == "ta" else "triceps", []).append(active / top)
+    return groups
+
+
+def _torque_parts(
+    moved: dict[str, FloatArray], weights: FloatArray, sizes: dict[str, int]
+) -> dict[str, float]:
+    """Mean torque [Nm] of each group, weighed by its activity; its first rows are its muscles."""
+    parts = {}
+    first = 0
+    for name, rows in moved.items():
+        torque_of = weights[first : first + len(rows)] @ rows
+        level = np.mean(rows[: sizes[name]], axis=0)
+        parts[name] = float((level * torque_of).sum() / max(float(level.sum()), 1e-300))
+        first += len(rows)
+    return parts
 
 
 def _lagging(

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any, Self, TypedDict, Unpack
 
 import numpy as np
 
@@ -25,6 +26,16 @@ _PUT_RIGHT = ", put right: "
 _UNIT = re.compile(r"\[([^][]+)\]")
 
 
+class CorrectionKeywords(TypedDict, total=False):
+    """What may be put right, by keyword; None is not given."""
+
+    sign: Mapping[str, float] | None
+    scale: Mapping[str, float] | None
+    offset: Mapping[str, float] | None
+    swap: Sequence[Sequence[str]] | None
+    wrap: Mapping[str, float] | None
+
+
 @dataclass(frozen=True, slots=True)
 class Corrections:
     """What is to be put right in recordings, by role: ``sign * (scale * value + offset)``.
@@ -43,6 +54,12 @@ class Corrections:
     swap: Sequence[Sequence[str]] = ()  #: Pairs of muscles whose electrodes were exchanged.
     #: Periods of signals that jump by one at the end of their range; the jumps are taken out first.
     wrap: Mapping[str, float] = field(default_factory=FrozenDict)
+
+    @classmethod
+    def of(cls, **given: Unpack[CorrectionKeywords]) -> Self:
+        """From keywords, of which None is not given."""
+        there: dict[str, Any] = {name: each for name, each in given.items() if each is not None}
+        return cls(**there)
 
     def __post_init__(self) -> None:
         """Refuse what no recording has."""

@@ -23,7 +23,7 @@ from surae.recording.inspected_channels import InspectedChannel, Inspection
 from surae.recording.inspected_file import arranged
 from surae.recording.reading import is_mapping
 from surae.recording.recording import FILM_ROLES, ROLES, Recording
-from surae.recording.roles import (
+from surae.recording.roles import Guess, (
     CONFIDENCES,
     Side,
     guess_role,
@@ -174,6 +174,17 @@ def _opened(path: PathLike) -> Table:
     raise InputError(not_understood(source, table))
 
 
+def _guess_of(table: Table, name: str, unit: str | None) -> Guess | None:
+    """The role of a column by its name, or by what its file says of it beside."""
+    guess = guess_role(name, unit)
+    vague = guess is None or guess.role is None or guess.confidence == "possible"
+    if vague and (told := table.descriptions.get(name)):
+        by_it = guess_role(told, unit)
+        if by_it is not None and (guess is None or by_it.role is not None):
+            return replace(by_it, rule=f"{by_it.rule}, in its description {told!r}")
+    return guess
+
+
 def _described(path: str, table: Table, name: str, column: Column | InputError) -> InspectedChannel:
     """One channel of a file, with its samples where they can be read."""
     count = table.names.count(name)
@@ -182,12 +193,7 @@ def _described(path: str, table: Table, name: str, column: Column | InputError) 
     remarks = [
         table.remarks.get(name, "") if usable else f"{count} columns have this name: rename one"
     ]
-    guess = guess_role(name, unit)
-    vague = guess is None or guess.role is None or guess.confidence == "possible"
-    if vague and (told := table.descriptions.get(name)):
-        by_it = guess_role(told, unit)
-        if by_it is not None and (guess is None or by_it.role is not None):
-            guess = replace(by_it, rule=f"{by_it.rule}, in its description {told!r}")
+    guess = _guess_of(table, name, unit)
     if isinstance(column, InputError):
         reason = str(column).removeprefix(f"{table.file}: ").removeprefix(f"column {name!r}: ")
         remark = "; ".join(filter(None, (reason, *remarks)))
@@ -363,10 +369,34 @@ def _emg(
 
 def _advice(inspection: Inspection) -> Iterator[str]:
     """What is missing or open, and what to do about it."""
+    yield from inspection.faults
+    yield from _open_advice(inspection)
+    yield from not_one(inspection.trials, inspection.clocks)
+    yield from no_shared_span(inspection.roles)
+    yield from missing_signals(inspection)
+    if silent := [role for role in inspection.missing if role.startswith("emg_")]:
+        yield (
+            f"no channel of {', '.join(silent)}: the mapping fixes their weights at 0, which is "
+            "right only while these muscles are silent"
+        )
+    if unknown := _units_unknown(inspection.roles):
+        yield f"{unknown}: see the mapping"
+    yield from _emg_advice(inspection)
+    moving = [inspection.roles[role] for role in ("angle", "torque") if role in inspection.roles]
+    if any(c.guess is None or c.guess.confidence != "stated" for c in moving):
+        yield N_(
+            "Their names do not say which direction of angle and torque is positive: dorsiflexion "
+            "and the triceps’s pull must be, else correct sign in the mapping"
+        )
+    if inspection.direction:
+        yield inspection.direction
+
+
+def _open_advice(inspection: Inspection) -> Iterator[str]:
+    """Which roles have several candidates, or a guess alone; alike ones together."""
     together: dict[tuple[int, ...], list[str]] = {}
     for role, candidates in inspection.open.items():
         together.setdefault(tuple(map(id, candidates)), []).append(role)
-    yield from inspection.faults
     for roles in together.values():
         candidates = inspection.open[roles[0]]
         if roles[0] in inspection.unusable:
@@ -384,26 +414,12 @@ def _advice(inspection: Inspection) -> Iterator[str]:
                 "which muscle is which column of the matrix? TA, GL, SOL, GM is the order of "
                 "equation (13) of the thesis, TA, SOL, GM, GL that of its figures"
             )
-    yield from not_one(inspection.trials, inspection.clocks)
-    yield from no_shared_span(inspection.roles)
-    yield from missing_signals(inspection)
-    if silent := [role for role in inspection.missing if role.startswith("emg_")]:
-        yield (
-            f"no channel of {', '.join(silent)}: the mapping fixes their weights at 0, which is "
-            "right only while these muscles are silent"
-        )
-    if unknown := _units_unknown(inspection.roles):
-        yield f"{unknown}: see the mapping"
+
+
+def _emg_advice(inspection: Inspection) -> Iterator[str]:
+    """Where EMG looks otherwise than it is said to be, or nothing says what it is."""
     for c in inspection.roles.values():
         if c.look is not None and inspection.emg is not None:
             yield from filter(None, [contradiction(repr(c.column), c.look, inspection.emg)])
     if inspection.emg is None and inspection.emg_rule:
         yield f"whether the EMG is raw is unclear ({inspection.emg_rule}): write it in the mapping"
-    found = [inspection.roles[role] for role in ("angle", "torque") if role in inspection.roles]
-    if any(c.guess is None or c.guess.confidence != "stated" for c in found):
-        yield N_(
-            "Their names do not say which direction of angle and torque is positive: dorsiflexion "
-            "and the triceps’s pull must be, else correct sign in the mapping"
-        )
-    if inspection.direction:
-        yield inspection.direction

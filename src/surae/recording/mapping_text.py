@@ -1,7 +1,7 @@
 """An inspection as a mapping: TOML that a fit takes, with comments on what to check."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from surae.base.files import PathLike, shown
@@ -72,6 +72,31 @@ def mapping_text(
         + ("surae fit this file" if files is None else "surae session FILES --mapping this file"),
         f"name = {toml_value(name or title)}",
     ]
+    lines += _head(inspection)
+    for role in ROLES:
+        if role in roles:
+            lines += ["", *_entry(role, roles[role], inspection, folder, files)]
+        elif role in open_roles:
+            lines += ["", *_choice(role, inspection, folder, files)]
+        elif role in ("angle", "torque"):
+            lines += ["", _missing(role, channels)]
+    used = {id(channel) for several in open_roles.values() for channel in several}
+    used |= set(map(id, roles.values()))
+    rest = [channel for channel in channels if id(channel) not in used]
+    lines += ["", "# Not used:"] if rest else []
+    for channel in rest[:_MOST_UNUSED]:
+        remarks = ", ".join(_line(text) for text in (channel.unit, channel.remark) if text)
+        lines.append(f"#   {_line(channel.column)}{f' ({remarks})' if remarks else ''}")
+    if len(rest) > _MOST_UNUSED:
+        lines.append(f"#   and {len(rest) - _MOST_UNUSED} more")
+    return "\n".join(lines) + "\n"
+
+
+def _head(inspection: Inspection) -> list[str]:
+    """What the mapping says of EMG, side and silent muscles, and what is to be settled first."""
+    roles = inspection.roles
+    open_roles = inspection.open
+    lines: list[str] = []
     if inspection.emg is not None:
         lines.append(f"emg = {toml_value(inspection.emg)}  # {inspection.emg_rule}")
     elif any(role.startswith("emg_") for role in (*roles, *open_roles)):
@@ -93,35 +118,30 @@ def mapping_text(
     if "torque" in roles and inspection.formats[roles["torque"].file] == "OpenSim":
         lines.append("# check: moments of inverse dynamics hold no inertia and weight of the foot:")
         lines.append("# then put m = 0.0 into fixed = { … }")
-    for role in ROLES:
-        if role in roles:
-            lines += ["", *_entry(role, roles[role], inspection, folder, files)]
-        elif role in open_roles:
-            if (reason := inspection.unusable.get(role)) is not None:
-                lines += ["", f"# {role} is there, but unusable: {_line(reason)}."]
-                lines.append("# Correct the file, or take the # away from what helps:")
-            else:
-                lines += ["", f"# {role} is open: choose one, and take the # away from its lines."]
-            for channel in open_roles[role]:
-                entry = _entry(role, channel, inspection, folder, files)
-                lines += [f"# {line}" for line in entry]
-        elif role in ("angle", "torque"):
-            could = [repr(_line(c.column)) for c in channels if could_be(c)][:6]
-            one = f" if one of {', '.join(could)} is it, or its file" if could else ""
-            lines += [
-                "",
-                f"# {role} is missing: add [channels.{role}] with file, column, unit{one}.",
-            ]
-    used = {id(channel) for several in open_roles.values() for channel in several}
-    used |= set(map(id, roles.values()))
-    rest = [channel for channel in channels if id(channel) not in used]
-    lines += ["", "# Not used:"] if rest else []
-    for channel in rest[:_MOST_UNUSED]:
-        remarks = ", ".join(_line(text) for text in (channel.unit, channel.remark) if text)
-        lines.append(f"#   {_line(channel.column)}{f' ({remarks})' if remarks else ''}")
-    if len(rest) > _MOST_UNUSED:
-        lines.append(f"#   and {len(rest) - _MOST_UNUSED} more")
-    return "\n".join(lines) + "\n"
+    return lines
+
+
+def _missing(role: str, channels: Sequence[InspectedChannel]) -> str:
+    """The line on a role that no channel has, and which channels could be it."""
+    could = [repr(_line(c.column)) for c in channels if could_be(c)][:6]
+    one = f" if one of {', '.join(could)} is it, or its file" if could else ""
+    return f"# {role} is missing: add [channels.{role}] with file, column, unit{one}."
+
+
+def _choice(
+    role: str, inspection: Inspection, folder: PathLike, files: Mapping[str, str] | None
+) -> list[str]:
+    """The channels that a role may be, as comments to choose from."""
+    if (reason := inspection.unusable.get(role)) is not None:
+        lines = [
+            f"# {role} is there, but unusable: {_line(reason)}.",
+            "# Correct the file, or take the # away from what helps:",
+        ]
+    else:
+        lines = [f"# {role} is open: choose one, and take the # away from its lines."]
+    for channel in inspection.open[role]:
+        lines += [f"# {line}" for line in _entry(role, channel, inspection, folder, files)]
+    return lines
 
 
 def _times_and_trials(inspection: Inspection) -> list[str]:

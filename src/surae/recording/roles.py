@@ -188,15 +188,7 @@ def guess_role(name: str, unit: str | None = None) -> Guess | None:
         last = words_of(name.rpartition(": ")[2])
         match = _quantity(last) or _muscle(last)
     if match is None:
-        if _is_load(words, unit):
-            rule = "a force: a torque once it is multiplied by its lever arm [m] (scale)"
-            return Guess(("torque",), "possible", rule, side)
-        known = {*words} & (_OTHER_JOINTS | _OTHER_SENSORS | _OTHER_MUSCLES | _PLATE)
-        of_unit = {"torque": ("torque",), "angle": ("angle",), "emg": _EMGS}.get(suggested or "")
-        if not of_unit or known or unit == "V":  # volts are of any sensor
-            return None
-        called = "EMG" if of_unit is _EMGS else suggested
-        return Guess(of_unit, "possible", f"only its unit, {unit}, is one of {called}", side)
+        return _by_unit(words, unit, side)
     roles, confidence, rule = match
     of_kind = tuple(role for role in roles if kind(role) == suggested)
     if len(roles) > 1 and len(of_kind) == 1:
@@ -220,6 +212,22 @@ def guess_role(name: str, unit: str | None = None) -> Guess | None:
         else:
             rule += "; X of three coordinates, the flexion in most models"
     return Guess(roles, confidence, rule, side)
+
+
+def _by_unit(
+    words: Sequence[str], unit: str | None, side: Literal["left", "right"] | None
+) -> Guess | None:
+    """What a channel may be by its unit alone, where its name says nothing of the ankle."""
+    suggested = unit_kind(unit)
+    if _is_load(words, unit):
+        rule = "a force: a torque once it is multiplied by its lever arm [m] (scale)"
+        return Guess(("torque",), "possible", rule, side)
+    known = {*words} & (_OTHER_JOINTS | _OTHER_SENSORS | _OTHER_MUSCLES | _PLATE)
+    of_unit = {"torque": ("torque",), "angle": ("angle",), "emg": _EMGS}.get(suggested or "")
+    if not of_unit or known or unit == "V":  # volts are of any sensor
+        return None
+    called = "EMG" if of_unit is _EMGS else suggested
+    return Guess(of_unit, "possible", f"only its unit, {unit}, is one of {called}", side)
 
 
 def _is_load(words: Sequence[str], unit: str | None) -> bool:

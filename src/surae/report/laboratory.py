@@ -8,6 +8,7 @@ from surae.inference.judging.adequacy import Grade
 from surae.inference.judging.random_effects import trial_spread
 from surae.inference.result import Candidate
 from surae.model import get_model
+from surae.model.knowledge_words import lines_of
 from surae.model.laboratory import group_of
 from surae.model.source import Gaussian
 from surae.model.source_table import LABELS, NUISANCES
@@ -26,7 +27,7 @@ def known_section(result: FitResult) -> tuple[block.Section, ...]:
     """What was known beforehand; nothing where nothing was stated."""
     known = result.problem.settings.knowledge
     worded = result.problem.options.anatomy.worded
-    if known is None or not (lines := known.lines()):
+    if known is None or not (lines := lines_of(known)):
         return ()
     heads = block.columns("What", "How well", "From", wide=(1,))
     title = "What was known beforehand"

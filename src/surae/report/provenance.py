@@ -8,6 +8,8 @@ from surae.base.formatting import percentage, short, significant
 from surae.base.setting import default_of, settings_of
 from surae.base.units import FloatArray
 from surae.inference import AssessedFit, FitResult, Prior
+from surae.model.knowledge import Knowledge
+from surae.model.knowledge_words import summary_of
 from surae.quality.numeric import runs
 from surae.report import block
 from surae.signals import ModelInputs
@@ -145,6 +147,8 @@ def _written(value: Any) -> str:
     """A setting's value; a table, or a joint, by its name."""
     if isinstance(value, Mapping):
         return ", ".join(f"{name} = {_written(each)}" for name, each in value.items())
+    if isinstance(value, Knowledge):
+        return summary_of(value)
     if isinstance(value, list | tuple):
         return " / ".join(map(_written, value))
     if isinstance(value, bool):

@@ -8,7 +8,13 @@ import numpy as np
 
 from surae.base.units import FloatArray
 from surae.inference import FitResult, PosteriorMode, fit_problem
-from surae.inference.least_squares.minimise import Outcome, column_norms, minimise, sum_of_squares
+from surae.inference.least_squares.minimise import (
+    Ends,
+    Outcome,
+    column_norms,
+    minimise,
+    sum_of_squares,
+)
 from surae.inference.least_squares.residuals import Residuals, curved_move
 from surae.inference.posterior.log_posterior import LogPosterior, Point
 from surae.sampling.resumed import resumed
@@ -104,8 +110,7 @@ class Conditional:
             lower,
             upper,
             move=self._move,
-            max_iterations=_MOST,
-            stall=_STALL / self._problem.n,
+            ends=Ends(_MOST, stall=_STALL / self._problem.n),
         )
         self.evaluations += found.iterations
         if found.outcome is Outcome.INTERRUPTED:

@@ -15,7 +15,7 @@ import numpy as np
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
 from surae.inference import FitProblem, FitResult
-from surae.inference.least_squares.minimise import minimise, sum_of_squares
+from surae.inference.least_squares.minimise import Ends, minimise, sum_of_squares
 from surae.inference.least_squares.residuals import Residuals
 from surae.inference.population_priors import checked_prior, wide_priors
 from surae.model import adapted
@@ -100,7 +100,7 @@ class Target:
         start = np.clip(start, centre - _NEAR * spread, centre + _NEAR * spread)
         lower = centre - _FAR * spread
         upper = centre + _FAR * spread
-        minimum = minimise(rows, start, lower, upper, stall=0.1 / self._samples)
+        minimum = minimise(rows, start, lower, upper, ends=Ends(stall=0.1 / self._samples))
         self._least = sum_of_squares(minimum.residual[: -len(known)]) / weight**2
         if not (np.isfinite(minimum.R).all() and 0 < self._least < np.inf):
             raise InputError(

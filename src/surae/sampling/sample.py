@@ -213,7 +213,6 @@ def sample(
     seed: int = 0,
     priors: Mapping[str, tuple[float, float]] | None = None,
     variance_inflation: float = 1.0,
-    inflation_reason: str = "",
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> Posterior:
@@ -221,7 +220,7 @@ def sample(
 
     Fixed parameters stay fixed and weights hold. Priors take the place of bounds: those of
     `priors`, else the fit's own, else the wide defaults of `beliefs`. The likelihood takes the
-    noise for white, its variance `variance_inflation` times what it is, for the reason given. All
+    noise for white, its variance `variance_inflation` times what it is. All
     else is as of `surae.posterior`.
     """
     if not isinstance(result.solution, LeastSquares):
@@ -262,7 +261,7 @@ def sample(
         effective=weighted.effective,
         evaluations=weighted.evaluations,
         variance_inflation=float(variance_inflation),
-        inflation_reason=inflation_reason,
+        inflation_reason="",
         seed=seed,
         seconds=time.perf_counter() - begin,
         whole=weighted.whole,

@@ -30,8 +30,7 @@ class FittedLeg:
     #: How the joint fit follows each trial.
     joint_predictions: Mapping[str, Crossed] = field(default_factory=FrozenDict)
     interrupted: bool = False  #: Whether the user stopped it.
-    #: What slow and fast stretches and perturbations say of reflexes; None without such trials, or
-    #: without the package `surae-nerve`.
+    #: What slow and fast stretches and perturbations say of reflexes; None without such trials.
     nerve: Nerve | None = None
 
     def __post_init__(self) -> None:

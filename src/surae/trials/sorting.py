@@ -45,7 +45,7 @@ LEFT_OUT = "left out by the description"
 _MAXIMAL_WORDS = {"mvc", "mvic", "mvcs", "max", "maximal", "maximum"}
 _EMPTY_WORDS = {"empty", "tare", "unloaded"}
 _USES = {EMPTY: "device", ALONE: "crosstalk"}
-#: What `surae-nerve` is to tell of: no model of muscles is fitted to it.
+#: What `surae.impedance` is to tell of: no model of muscles is fitted to it.
 PERTURBED = "small random perturbations"
 
 

@@ -3,7 +3,7 @@
 import math
 import zlib
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -63,29 +63,42 @@ def thesis_leg(
     return replace(drawn, parameters={**drawn.parameters, **own})
 
 
-def fit_cell(
-    *,
-    seed: int,
-    model: str,
-    profile: str,
-    task: str,
-    amplitude: float,
-    factor: float | None,
-    population: str,
-    subject: int,
-    repeat: int,
-    explicit: bool,
-    reading: str,
-) -> dict[str, Any] | None:
-    """Simulate a trial, fit it with the model that made it, and compare with the truth."""
-    leg = thesis_leg(1_000_000 * seed + subject, population)
-    if reading == SLOW:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cell:
+    """One fit of the thesis's simulations: whose trial, which protocol, which model."""
+
+    seed: int
+    model: str
+    profile: str
+    task: str
+    amplitude: float
+    factor: float | None
+    population: str
+    subject: int
+    repeat: int
+    explicit: bool
+    reading: str
+
+
+def fit_cell(**labels: Any) -> dict[str, Any] | None:
+    """Simulate a cell's trial, fit it with the model that made it, and compare with the truth.
+
+    `labels` are the fields of `Cell`.
+    """
+    cell = Cell(**labels)
+    leg = thesis_leg(1_000_000 * cell.seed + cell.subject, cell.population)
+    if cell.reading == SLOW:
         leg = replace(leg, parameters={**leg.parameters, "tau_rel": SLOW_RELAXATION})
-    rate = EXPLICIT_HZ if explicit else RATE_HZ
-    options = {"integrator": "explicit-euler"} if explicit else {}
-    trajectory = motion(profile, task, amplitude, factor, rate, reading)
-    inputs, torque = thesis_trial(leg, trajectory, model, repeat, **options)
-    fit = fit_explicit(inputs, model)[0] if explicit else fit_trial(inputs, model, 2, seed)
+    rate = EXPLICIT_HZ if cell.explicit else RATE_HZ
+    options = {"integrator": "explicit-euler"} if cell.explicit else {}
+    trajectory = motion(cell.profile, cell.task, cell.amplitude, cell.factor, rate, cell.reading)
+    inputs, torque = thesis_trial(leg, trajectory, cell.model, cell.repeat, **options)
+    seed = cell.seed
+    fit = (
+        fit_explicit(inputs, cell.model)[0]
+        if cell.explicit
+        else fit_trial(inputs, cell.model, 2, seed)
+    )
     if fit is None:
         return None
     off = {name: value / leg.parameters[name] - 1.0 for name, value in fit["values"].items()}

@@ -21,7 +21,7 @@ from surae.inference.diagnosis.explanations import (
 from surae.inference.diagnosis.quick import QuickFit, percent, quick_fit
 from surae.inference.diagnosis.units import wrong_units
 from surae.quality import Commanded, Finding, Quality, check_recording
-from surae.quality.finding import make_finding
+from surae.quality.finding import make_finding, worded_finding
 from surae.quality.numeric import quantiles, span_of
 from surae.quality.position import perturbing
 from surae.quality.registry import ordered, unfit
@@ -107,12 +107,25 @@ def examined(
         if with_signs is not right:
             quality = check_recording(with_signs, commanded)
         return _together(quality, [*findings, *wrong], but=("torque-sign",))
+    said, false = _by_fit(quality, right, signals, fit, steady=drift is None)
+    true = tuple(finding for finding in quality.findings if finding not in false)
+    return _together(replace(quality, findings=true), [*findings, *said])
+
+
+def _by_fit(
+    quality: Quality, right: Recording, signals: Signals, fit: QuickFit, *, steady: bool
+) -> tuple[list[Finding], list[Finding]]:
+    """What a quick fit shows beyond the checks, and findings of theirs that it shows to be none.
+
+    No lag of all electrodes is looked for where clocks do not run at a `steady` difference.
+    """
+    findings: list[Finding] = []
     if ("emg-flat", "error") not in {(f.code, f.severity) for f in quality.findings}:
         findings += _slow(signals, fit)  # a group without one of its muscles seems to change
     electrodes = [f for f in quality.findings if f.code == "electrode-lag"]
     false = [lag for lag in electrodes if not _explains(lag, right, signals, fit)]
     false += [f for f in quality.findings if f.code == "emg-torque-lag"]
-    if drift is None and not electrodes and fit.r2 >= _GOOD_ENOUGH:
+    if steady and not electrodes and fit.r2 >= _GOOD_ENOUGH:
         findings += _out_of_step(right, signals, fit)
     if fit.r2 >= EXPLAINS:  # and no other signs explain clearly more
         false += [f for f in quality.findings if f.code == "torque-sign"]
@@ -124,8 +137,7 @@ def examined(
         beyond = (constant.value or 0.0) - sum(GRAVITY) / 2
         if not fit.zero * beyond >= _AGREED * beyond**2:
             false.append(constant)
-    true = tuple(finding for finding in quality.findings if finding not in false)
-    return _together(replace(quality, findings=true), findings)
+    return findings, false
 
 
 def _together(quality: Quality, findings: list[Finding], but: tuple[str, ...] = ()) -> Quality:
@@ -169,7 +181,7 @@ def _signs(
         recording = best.right(recording)
     texts = zip(codes.items(), (text, Message("found/torque-sign/too")), strict=False)
     return [
-        make_finding(code, role, span, best.r2, says=message, advice=advice)
+        worded_finding(code, role, span, best.r2, message, advice)
         for (role, code), message in texts
     ], recording
 

@@ -15,7 +15,7 @@ from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
 from surae.base.words import Message
 from surae.inference import make_problem
-from surae.inference.least_squares.minimise import minimise
+from surae.inference.least_squares.minimise import Ends, minimise
 from surae.inference.least_squares.residuals import Residuals, curved_move
 from surae.inference.least_squares.separable import scan_lengths, solve_linear
 from surae.model.jit import compile_all
@@ -127,9 +127,7 @@ def quick_fit(
             problem.lower,
             problem.upper,
             move=curved_move(problem),
-            max_iterations=40,
-            ftol=1e-3,
-            stall=1e-3,
+            ends=Ends(40, ftol=1e-3, stall=1e-3),
         )
         offset = float(np.mean(residuals.of(best.x)[0])) if zero else 0.0
     if not np.isfinite(best.sse):

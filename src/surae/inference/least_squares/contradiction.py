@@ -63,63 +63,91 @@ def contradiction(result: FitResult) -> Contradiction | None:
     A fit of a family has been held against the rest of it already.
     """
     problem = result.problem
-    name = COMPLIANT if problem.spec.name == RIGID else problem.spec.name
-    known = {n for trial in problem.inputs for n in trial.fixed} | problem.settings.mentioned
-    beliefs = {
-        n: belief
-        for n, belief in laboratory(joint=problem.options.anatomy).items()
-        if group_of(n) in _HELD_AGAINST and n not in problem.free and n not in known
-    }
     named = isinstance(result.solution, LeastSquares) and problem.settings.loss is None
     if not named or result.status == "failed":
         return None
     try:
-        spec = with_optional(get_model(name), [*beliefs, *problem.spec.optional])
-    except ValueError:
+        richer = _richer(result)
+    except ValueError:  # a parameter of a plugin's model that the family has not
         return None
-    table = adapted(spec.parameters, problem.options, problem.inputs[0].emg_unit)
-    base = {n: result.values.get(n, belief.off) for n, belief in beliefs.items()}
-    base |= {n: value for n, value in result.values.items() if n in spec.names}
-    free = tuple(
-        n for n in spec.names if n in problem.free or n in beliefs or n not in result.values
-    )
-    tendons = {n: b for n, b in _STRAINS.items() if n in spec.names and n not in known}
-    for name in tendons.keys() & problem.options.anatomy.parameters.keys():
-        tendons[name] = replace(tendons[name], mean=float(np.log(table[name].start)))
-    for name in tendons.keys() - result.values.keys():  # none so far: as stiff as the model goes
-        stiff = table[name].lower
-        base[name] = stiff
-        tendons[name] = Gaussian(float(np.log(stiff)), float(np.exp(tendons[name].mean)) / stiff)
-    inputs = tuple(sharpened(trial) for trial in problem.inputs)
-    sharp = replace(problem, inputs=inputs)
-    richer = sharp.of_model(spec, free, base, problem.limits)
+    sharp = replace(problem, inputs=richer.problem.inputs)
     with np.errstate(all="ignore"):  # a damaged file may hold anything; it is found out below
-        own = _Linear(sharp, result.values, {})
-        target = _Linear(richer, base, {**beliefs, **tendons})
-        try:
-            noise = own.noise()
-        except np.linalg.LinAlgError:  # the model overflows
-            return None
-        added = [j for j, n in enumerate(free) if n in beliefs or n not in result.values]
-        off = {j: float(target.z[j]) for j in added}
-        own_zero = beliefs.get("torque_zero") if len(inputs) > 1 else None
-        zeros = [] if own_zero is None else [own_zero] * len(inputs)
-        off |= dict.fromkeys(range(len(free), len(free) + len(zeros)), 0.0)
-        laplace = _quadratic(target, noise, zeros)
-        try:
-            sets = {s.groups: s for s in subsets(laplace, {"all": [*off]}, off)}
-        except np.linalg.LinAlgError:
-            return None
-    gain = sets[()].evidence - sets["all",].evidence
-    better = sets["all",].mode
+        gain, better, target = _weighed(sharp, result.values, richer)
     if not (gain > _SUPPORTED and np.isfinite(better).all()):
         return None
+    free = richer.problem.free
     away = (better[: len(free)] - target.z) * target.scale
     shift = {n: float(d) for n, d in zip(free, away, strict=True) if n in problem.free}
-    missing = [g for g in _HELD_AGAINST if any(group_of(n) == g for n in beliefs)]
-    if name != problem.spec.name:
+    missing = [g for g in _HELD_AGAINST if any(group_of(n) == g for n in richer.nuisances)]
+    if richer.problem.spec.name != problem.spec.name:
         missing.append("tendons")
     return Contradiction(tuple(missing), gain, FrozenDict(shift))
+
+
+@dataclass(frozen=True, slots=True)
+class _Richer:
+    """The model that a named one is held against, at the named one's solution."""
+
+    problem: FitProblem  #: Of recordings that are as sharp as before their filters.
+    values: Mapping[str, float]  #: Of all parameters; those that are added do next to nothing.
+    nuisances: Mapping[str, Gaussian]  #: What is added of the laboratory, and its priors.
+    tendons: Mapping[str, Gaussian]  #: Priors of the tendons' strains.
+    added: tuple[int, ...]  #: Which of the free parameters are added.
+
+
+def _richer(result: FitResult) -> _Richer:
+    """A compliant model with what the laboratory cannot rule out, but for what is known or free."""
+    problem = result.problem
+    anatomy = problem.options.anatomy
+    known = {n for trial in problem.inputs for n in trial.fixed} | problem.settings.mentioned
+    nuisances = {
+        n: belief
+        for n, belief in laboratory(joint=anatomy).items()
+        if group_of(n) in _HELD_AGAINST and n not in problem.free and n not in known
+    }
+    compliant = COMPLIANT if problem.spec.name == RIGID else problem.spec.name
+    spec = with_optional(get_model(compliant), [*nuisances, *problem.spec.optional])
+    table = adapted(spec.parameters, problem.options, problem.inputs[0].emg_unit)
+    values = {n: result.values.get(n, belief.off) for n, belief in nuisances.items()}
+    values |= {n: value for n, value in result.values.items() if n in spec.names}
+    free = tuple(
+        n for n in spec.names if n in problem.free or n in nuisances or n not in result.values
+    )
+    tendons = {n: b for n, b in _STRAINS.items() if n in spec.names and n not in known}
+    for strain in tendons.keys() & anatomy.parameters.keys():
+        tendons[strain] = replace(tendons[strain], mean=float(np.log(table[strain].start)))
+    for strain in tendons.keys() - result.values.keys():  # none so far: as stiff as the model goes
+        stiff = table[strain].lower
+        values[strain] = stiff
+        sd = float(np.exp(tendons[strain].mean)) / stiff
+        tendons[strain] = Gaussian(float(np.log(stiff)), sd)
+    inputs = tuple(sharpened(trial) for trial in problem.inputs)
+    richer = replace(problem, inputs=inputs).of_model(spec, free, values, problem.limits)
+    added = tuple(j for j, n in enumerate(free) if n in nuisances or n not in result.values)
+    return _Richer(richer, values, nuisances, tendons, added)
+
+
+def _weighed(
+    problem: FitProblem, values: Mapping[str, float], richer: _Richer
+) -> tuple[float, FloatArray, "_Linear"]:
+    """Gain of evidence by what is added, where the searched coordinates would go, and the model.
+
+    The gain is not a number where that cannot be computed.
+    """
+    target = _Linear(richer.problem, richer.values, {**richer.nuisances, **richer.tendons})
+    off = {j: float(target.z[j]) for j in richer.added}
+    several = len(problem.inputs) > 1 and "torque_zero" in richer.nuisances
+    zeros = [richer.nuisances["torque_zero"]] * len(problem.inputs) if several else []
+    first = len(target.z)
+    off |= dict.fromkeys(range(first, first + len(zeros)), 0.0)
+    try:
+        noise = _Linear(problem, values, {}).noise()
+        laplace = _quadratic(target, noise, zeros)
+        sets = {s.groups: s for s in subsets(laplace, {"all": [*off]}, off)}
+    except np.linalg.LinAlgError:  # the model overflows
+        return np.nan, target.z, target
+    better = sets["all",]
+    return sets[()].evidence - better.evidence, better.mode, target
 
 
 class _Linear:

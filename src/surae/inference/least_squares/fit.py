@@ -15,7 +15,7 @@ from surae.base.versions import versions
 from surae.base.words import Message
 from surae.inference.interrupt import postponed_interrupt
 from surae.inference.least_squares.drive_starts import own_columns
-from surae.inference.least_squares.minimise import Minimum, Outcome, minimise
+from surae.inference.least_squares.minimise import Ends, Minimum, Outcome, minimise
 from surae.inference.least_squares.residuals import Residuals
 from surae.inference.least_squares.starts import Follow, from_start, stopped
 from surae.inference.problem import FitProblem
@@ -84,7 +84,7 @@ def fit_problem(
                     minima[best].x,
                     problem.lower,
                     problem.upper,
-                    stall=_AT_REST / problem.n,
+                    ends=Ends(stall=_AT_REST / problem.n),
                 )
         except KeyboardInterrupt:
             if len(minima) == number:  # and not while the caller learnt of a whole start

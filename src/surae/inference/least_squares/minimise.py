@@ -9,7 +9,101 @@ import numpy as np
 from scipy.linalg.lapack import dgeqrf
 
 from surae.base.units import FloatArray
-from surae.model.jit import jit
+from surae.model.activation import IntArray
+from surae.model.jit import inner, jit
+
+
+@inner
+def _gradient_on_face(
+    H: FloatArray,
+    g: FloatArray,
+    d: FloatArray,
+    held: IntArray,
+    gradient: FloatArray,
+    free: IntArray,
+) -> int:
+    """Fill in the gradient Hd + g, and which variables are free; return how many."""
+    count = 0
+    for j in range(len(g)):
+        total = g[j]
+        for i in range(len(g)):
+            total += H[j, i] * d[i]
+        gradient[j] = total
+        if not held[j]:
+            free[count] = j
+            count += 1
+    return count
+
+
+@inner
+def _to_release(
+    gradient: FloatArray,
+    d: FloatArray,
+    lower: FloatArray,
+    upper: FloatArray,
+    held: IntArray,
+    least: float,
+) -> int:
+    """The held variable that most wants to leave its bound, by more than `least`; −1 if none."""
+    worst = least
+    release = -1
+    for j in range(len(d)):
+        if held[j] and lower[j] < upper[j]:
+            wrong = -gradient[j] if d[j] == lower[j] else gradient[j]
+            if wrong > worst:
+                worst = wrong
+                release = j
+    return release
+
+
+@inner
+def _newton_on_face(
+    H: FloatArray, gradient: FloatArray, free: IntArray, count: int, A: FloatArray, step: FloatArray
+) -> None:
+    """Fill in the step to the face's minimum, by elimination, which without pivots is stable."""
+    for a in range(count):
+        step[a] = -gradient[free[a]]
+        for b in range(a, count):
+            A[a, b] = H[free[a], free[b]]
+    for k in range(count):
+        for a in range(k + 1, count):
+            factor = A[k, a] / A[k, k]
+            step[a] -= factor * step[k]
+            for b in range(a, count):
+                A[a, b] -= factor * A[k, b]
+    for k in range(count - 1, -1, -1):
+        for a in range(k + 1, count):
+            step[k] -= A[k, a] * step[a]
+        step[k] /= A[k, k]
+
+
+@inner
+def _go(
+    d: FloatArray,
+    step: FloatArray,
+    free: IntArray,
+    count: int,
+    lower: FloatArray,
+    upper: FloatArray,
+    held: IntArray,
+) -> bool:
+    """Go along a step, or to the first bound on it, which then holds; whether it was whole."""
+    length = 1.0
+    blocking = -1
+    rising = False
+    for i in range(count):
+        j = free[i]
+        room = upper[j] - d[j] if step[i] > 0 else d[j] - lower[j]
+        if abs(step[i]) * length > room:
+            length = room / abs(step[i])
+            blocking = j
+            rising = step[i] > 0
+    for i in range(count):
+        d[free[i]] += length * step[i]
+    if blocking >= 0:
+        d[blocking] = upper[blocking] if rising else lower[blocking]
+        held[blocking] = True
+    return blocking < 0
 
 
 @jit
@@ -36,59 +130,16 @@ def box_quadratic(H: FloatArray, g: FloatArray, lower: FloatArray, upper: FloatA
     least *= 1e-12
     settled = False  # where its face is lowest
     for _ in range(60 * p + 60):
-        count = 0
-        for j in range(p):
-            total = g[j]
-            for i in range(p):
-                total += H[j, i] * d[i]
-            gradient[j] = total
-            if not held[j]:
-                free[count] = j
-                count += 1
+        count = _gradient_on_face(H, g, d, held, gradient, free)
         if settled or count == 0:
-            worst = least
-            release = -1
-            for j in range(p):
-                if held[j] and lower[j] < upper[j]:
-                    wrong = -gradient[j] if d[j] == lower[j] else gradient[j]
-                    if wrong > worst:
-                        worst = wrong
-                        release = j
+            release = _to_release(gradient, d, lower, upper, held, least)
             if release < 0:
                 break
             held[release] = False
             settled = False
             continue
-        for a in range(count):
-            step[a] = -gradient[free[a]]
-            for b in range(a, count):
-                A[a, b] = H[free[a], free[b]]
-        for k in range(count):  # elimination, which without pivots is stable
-            for a in range(k + 1, count):
-                factor = A[k, a] / A[k, k]
-                step[a] -= factor * step[k]
-                for b in range(a, count):
-                    A[a, b] -= factor * A[k, b]
-        for k in range(count - 1, -1, -1):
-            for a in range(k + 1, count):
-                step[k] -= A[k, a] * step[a]
-            step[k] /= A[k, k]
-        length = 1.0
-        blocking = -1
-        rising = False
-        for i in range(count):
-            j = free[i]
-            room = upper[j] - d[j] if step[i] > 0 else d[j] - lower[j]
-            if abs(step[i]) * length > room:
-                length = room / abs(step[i])
-                blocking = j
-                rising = step[i] > 0
-        for i in range(count):
-            d[free[i]] += length * step[i]
-        settled = blocking < 0
-        if not settled:
-            d[blocking] = upper[blocking] if rising else lower[blocking]
-            held[blocking] = True
+        _newton_on_face(H, gradient, free, count, A, step)
+        settled = _go(d, step, free, count, lower, upper, held)
     return d
 
 
@@ -103,6 +154,10 @@ _WORTHWHILE = 50
 _ENOUGH = 1e-4
 #: Relative ridge under which the undamped step is judged.
 _RIDGE = 1e-12
+#: A step changes nothing that is below so much of a parameter's size; no column is worth a step
+#: whose cosine with the residual is below so much.
+_XTOL = 1e-10
+_GTOL = 1e-10
 #: How a point moves along a step; beyond first order it is free to follow the problem's curves.
 Move = Callable[[FloatArray, FloatArray], FloatArray]
 #: Told of every better point: its parameters and its sum of squares.
@@ -133,6 +188,18 @@ class Minimum:
     iterations: int  #: Evaluations of the residual and its Jacobian.
 
 
+@dataclass(frozen=True, slots=True)
+class Ends:
+    """When an iteration ends."""
+
+    max_iterations: int = 200  #: Evaluations of the residual and its Jacobian.
+    ftol: float = 1e-8  #: Predicted gain of a step, as a part of the sum.
+    stall: float | None = None  #: The same after a step that did not improve; `ftol` by default.
+
+
+USUAL = Ends()
+
+
 def compress(rows: FloatArray) -> tuple[FloatArray, FloatArray, float]:
     """R of the Jacobian, Qᵀ·residual, and the sum of squares that no step can take away.
 
@@ -154,11 +221,7 @@ def minimise(
     upper: FloatArray,
     *,
     move: Move = np.add,
-    max_iterations: int = 200,
-    ftol: float = 1e-8,
-    xtol: float = 1e-10,
-    gtol: float = 1e-10,
-    stall: float | None = None,
+    ends: Ends = USUAL,
     better: Better | None = None,
 ) -> Minimum:
     """Minimise the sum of squared residuals within bounds.
@@ -170,13 +233,14 @@ def minimise(
     (Nielsen 1999).
 
     A point moves along a step by `move`. It has converged when the undamped step is predicted to
-    lower the sum by less than `ftol` of itself, or a step changes no parameter by more than `xtol`
-    of its size, or the cosine between residual and every column that is free to move is at most
-    `gtol`; it is at rest when many evaluations together (`_PATIENCE`) have gained next to nothing.
-    `stall` takes the place of `ftol` after a step that did not improve on the best point: the
-    torque has kinks, where tissue goes slack (11), and closer to the minimum than a small part of
-    the noise the quadratic prediction does not hold: more steps would only chase kinks. `better`
-    is called with every point that is better than all before it; Ctrl-C returns the best so far.
+    lower the sum by less than `ends.ftol` of itself, or a step changes no parameter by more than
+    `_XTOL` of its size, or the cosine between residual and every column that is free to move is at
+    most `_GTOL`; it is at rest when many evaluations together (`_PATIENCE`) have gained next to
+    nothing. `ends.stall` takes the place of `ftol` after a step that did not improve on the best
+    point: the torque has kinks, where tissue goes slack (11), and closer to the minimum than a
+    small part of the noise the quadratic prediction does not hold: more steps would only chase
+    kinks. `better` is called with every point that is better than all before it; Ctrl-C returns the
+    best so far.
 
     References
     ----------
@@ -184,39 +248,27 @@ def minimise(
     method, IMM-REP-1999-05 (1999); Grippo, Lampariello and Lucidi, A nonmonotone line search
     technique for Newton's method, SIAM J. Numer. Anal. 23 (1986).
     """
-    stall = ftol if stall is None else stall
+    stall = ends.ftol if ends.stall is None else ends.stall
     x = np.clip(x, lower, upper)
     here, q = _point(x, rows(x))
     best = here
     count = 1
-    eye = np.eye(len(x))
     if not (np.isfinite(here.sse) and np.isfinite(here.R).all()):
         return replace(here, outcome=Outcome.NOT_FINITE)
     norms = column_norms(here.R)
-    damping = 1e-3
-    growth = 2.0
+    damping = _Damping()
     failed = False
     milestone = here.sse
     since = 0
     recent = deque([here.sse], maxlen=_MEMORY)
     outcome = Outcome.ITERATIONS
     try:
-        while count < max_iterations:
+        while count < ends.max_iterations:
             norms = np.maximum(norms, column_norms(here.R))
-            scale = np.where(norms > 0, norms, 1.0)
-            A = here.R / scale
-            g = A.T @ q
-            H = A.T @ A
-            room = (lower - here.x) * scale, (upper - here.x) * scale
-            undamped = predicted_gain(H, g, box_quadratic(H + _RIDGE * eye, g, *room))
-            d = box_quadratic(H + damping * eye, g, *room)
-            step = d / scale
-            if (
-                undamped <= (stall if failed else ftol) * here.sse
-                or np.all(np.abs(step) <= xtol * (np.abs(here.x) + xtol))
-                or _stationary(g, here.x, lower, upper, gtol * np.sqrt(here.sse))
-                or since > _PATIENCE
-            ):
+            linear = _Linear.at(here, q, norms, lower, upper)
+            d = linear.minimum(damping.value)
+            step = d / linear.scale
+            if since > _PATIENCE or linear.settled(step, stall if failed else ends.ftol):
                 outcome = Outcome.CONVERGED
                 break
             x = np.minimum(np.maximum(move(here.x, step), lower), upper)
@@ -228,7 +280,7 @@ def minimise(
                 milestone = sse
                 since = 0
             since += 1
-            predicted = predicted_gain(H, g, d)
+            predicted = predicted_gain(linear.H, linear.g, d)
             gain = (min(max(recent), (1 + _UPHILL) * best.sse) - sse) / predicted
             if gain > _ENOUGH:
                 monotone = (here.sse - sse) / predicted
@@ -238,14 +290,65 @@ def minimise(
                     if better is not None:
                         better(best.x, best.sse)
                 recent.append(here.sse)
-                damping = max(damping * eased(monotone), 1e-15)
-                growth = 2.0
+                damping.ease(monotone)
             else:
-                damping *= growth
-                growth *= 2.0
+                damping.tighten()
     except KeyboardInterrupt:
         outcome = Outcome.INTERRUPTED
     return replace(best, outcome=outcome, iterations=count)
+
+
+@dataclass(slots=True)
+class _Damping:
+    """Of the steps: eased by their gain, and tightened ever more by those without (Nielsen)."""
+
+    value: float = 1e-3
+    growth: float = 2.0
+
+    def ease(self, ratio: float) -> None:
+        """After a step that gained so many times what was predicted."""
+        self.value = max(self.value * eased(ratio), 1e-15)
+        self.growth = 2.0
+
+    def tighten(self) -> None:
+        """After a step that did not gain enough."""
+        self.value *= self.growth
+        self.growth *= 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class _Linear:
+    """The linear problem at a point, in units of its columns' norms."""
+
+    here: Minimum
+    bounds: tuple[FloatArray, FloatArray]
+    scale: FloatArray
+    H: FloatArray
+    g: FloatArray
+    room: tuple[FloatArray, FloatArray]  #: How far a step may go down and up.
+
+    @classmethod
+    def at(
+        cls, here: Minimum, q: FloatArray, norms: FloatArray, lower: FloatArray, upper: FloatArray
+    ) -> "_Linear":
+        scale = np.where(norms > 0, norms, 1.0)
+        A = here.R / scale
+        room = (lower - here.x) * scale, (upper - here.x) * scale
+        return cls(here, (lower, upper), scale, A.T @ A, A.T @ q, room)
+
+    def minimum(self, damping: float) -> FloatArray:
+        """The damped problem's minimum within the bounds."""
+        return box_quadratic(self.H + damping * np.eye(len(self.g)), self.g, *self.room)
+
+    def settled(self, step: FloatArray, ftol: float) -> bool:
+        """Whether no step is worth while: by its gain, by its length, or by the gradient."""
+        here = self.here
+        undamped = predicted_gain(self.H, self.g, self.minimum(_RIDGE))
+        return bool(
+            undamped <= ftol * here.sse
+            or np.all(np.abs(step) <= _XTOL * (np.abs(here.x) + _XTOL))
+            or _stationary(self.g, here.x, *self.bounds, _GTOL * np.sqrt(here.sse))
+        )
 
 
 def _point(x: FloatArray, rows: FloatArray) -> tuple[Minimum, FloatArray]:

@@ -15,7 +15,7 @@ from surae.base.units import FloatArray
 from surae.base.words import Message
 from surae.inference.interrupt import postponed_interrupt
 from surae.inference.least_squares.fit import fit_problem
-from surae.inference.least_squares.minimise import Outcome, minimise
+from surae.inference.least_squares.minimise import Ends, Outcome, minimise
 from surae.inference.least_squares.residuals import Residuals
 from surae.inference.least_squares.starts import Follow
 from surae.inference.problem import FitProblem
@@ -230,7 +230,7 @@ def _step(
         weighted[:, n:] *= scale  # priors are weighed against the noise
         return weighted
 
-    best = minimise(rows, x, problem.lower, problem.upper, stall=0.1 / problem.n)
+    best = minimise(rows, x, problem.lower, problem.upper, ends=Ends(stall=0.1 / problem.n))
     data = best.residual[:n]
     if best.outcome is Outcome.INTERRUPTED:
         raise KeyboardInterrupt

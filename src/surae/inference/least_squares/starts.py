@@ -12,7 +12,7 @@ from surae.inference.least_squares.drive_starts import (
     held_off,
     own_columns,
 )
-from surae.inference.least_squares.minimise import Minimum, Outcome, minimise
+from surae.inference.least_squares.minimise import Ends, Minimum, Outcome, minimise
 from surae.inference.least_squares.residuals import Residuals, curved_move
 from surae.inference.least_squares.separable import scan_lengths, solve_linear
 from surae.inference.problem import FitProblem
@@ -114,8 +114,7 @@ def _descent(
             problem.lower,
             problem.upper,
             move=move,
-            ftol=ftol,
-            stall=stall / problem.n,
+            ends=Ends(ftol=ftol, stall=stall / problem.n),
             better=better,
         )
 
@@ -168,7 +167,7 @@ def _with_drives(
 
 def stopped(problem: FitProblem, residuals: Residuals, x: FloatArray) -> Minimum:
     """A point as the minimum where the user stopped before the problem's own iteration began."""
-    here = minimise(residuals.rows, x, problem.lower, problem.upper, max_iterations=1)
+    here = minimise(residuals.rows, x, problem.lower, problem.upper, ends=Ends(1))
     return replace(here, outcome=Outcome.INTERRUPTED)
 
 

@@ -1,6 +1,6 @@
 """The fit at a mode of the posterior: values, and what makes them unsure, source by source."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -54,30 +54,15 @@ def summed(
     """The fit at a mode, and what makes it unsure."""
     post = chosen.posterior
     point = chosen.mode
-    sets = chosen.sets
     original = family.original
     inputs = family.inputs
-    blocks = point.blocks
     V = post.covariance(point)
-    shifts = laplace.shifts_by_source(post, blocks, V)
-    departures = laplace.between_subsets(sets, chosen.names, post, V)
-    beta = post.by_name(point.z).get("beta", 1.0)
-    shifts["model"] = np.concatenate([departures, laplace.dynamics(post, V, beta, unheard=False)])
-    if original.has_unheard:
-        shifts["unheard"] = laplace.dynamics(post, V, beta, unheard=True)
-    shifts["trials"] = laplace.between_trials(blocks, V)
-    if lost := max(recording.emg_lost for recording in inputs):
-        heard = [float(name in original.spec.weights) for name in post.of]
-        shifts["emg_band"] = lost * np.array([heard])
     against, turned = _against(post, point, original)
-    said = {g: c.probability for g, c in against.items() if c.probability < SAID}
+    contradicted = {g: c.probability for g, c in against.items() if c.probability < SAID}
     zero = against.pop(ZERO_NAME, None)
-    for group, conflict in against.items():
-        source = NUISANCES[group].name
-        before = shifts.get(source, np.zeros((0, len(V))))
-        shifts[source] = np.concatenate([before, conflict.widened(V)])
     problem = replace(post.problem, inputs=inputs)
     change = _natural(post, point)
+    shifts = _shifts(chosen, family, V, against)
     spread = {source: read_only(by @ change.T) for source, by in shifts.items() if len(by)}
     covariance = sum((by.T @ by for by in spread.values()), np.zeros((len(problem.free),) * 2))
     values = post.by_name(point.z)
@@ -88,14 +73,11 @@ def summed(
     sse = sum(float(np.sum(r.weights * e**2)) for r, e in zip(inputs, residuals, strict=True))
     finite = bool(np.isfinite(sse) and np.isfinite(covariance).all())
     bound = [n for n in at_bounds(problem, values, TENDONS) if group_of(n) is None]
-    status = "failed" if not finite else "at-bounds" if bound else "converged"
     best = min(cost for cost, _ in met)
-    kept = [sets[0], *(s for s in sets[1:6] if s.weight > laplace.UNSUPPORTED)]
-    first, *others = (Candidate(COMPLIANT, s.groups, s.evidence, s.weight, {}) for s in kept)
     return FitResult(
         problem=problem,
-        status=status,
-        message=_message(sets, bound, finite),
+        status="failed" if not finite else "at-bounds" if bound else "converged",
+        message=_message(chosen.sets, bound, finite),
         values=values,
         residuals=residuals,
         sse=sse,
@@ -108,7 +90,7 @@ def summed(
             agreeing=sum(cost - best < _ALIKE for cost, _ in met),
             stages=tuple(stages),
             outcome=outcome if finite else str(Outcome.NOT_FINITE),
-            candidates=(replace(first, values=FrozenDict(values)), *others),
+            candidates=_candidates(chosen.sets, values),
             beliefs=FrozenDict(post.beliefs),
             noise=post.noise,
             films=tuple(film.noise for each in post.latents for film in each.films),
@@ -117,13 +99,47 @@ def summed(
             sizes=FrozenDict(post.sizes | ({} if post.fast is None else {"drive": post.fast})),
             population=FrozenDict({n: post.priors[n] for n in post.names if not group_of(n)}),
             recordings=_each(post, point, change) if len(inputs) > 1 else (),
-            contradicted=FrozenDict(said),
+            contradicted=FrozenDict(contradicted),
             gained=_gained(post, point),
             zero_wider=max(zero.ratio, 1.0) if zero else 1.0,
             softening=tuple(laplace.softened(post, point, V)),
             turned=FrozenDict(zip(problem.free, (change @ turned).tolist(), strict=True)),
         ),
     )
+
+
+def _shifts(
+    chosen: Chosen, family: Family, V: FloatArray, against: Mapping[str, Conflict]
+) -> dict[str, FloatArray]:
+    """Shifts of what is searched by each source of uncertainty, rows of (k, q).
+
+    `V` is the covariance at the mode, `against` what contradicts what was stated.
+    """
+    post = chosen.posterior
+    blocks = chosen.mode.blocks
+    original = family.original
+    shifts = laplace.shifts_by_source(post, blocks, V)
+    departures = laplace.between_subsets(chosen.sets, chosen.names, post, V)
+    beta = post.by_name(chosen.mode.z).get("beta", 1.0)
+    shifts["model"] = np.concatenate([departures, laplace.dynamics(post, V, beta, unheard=False)])
+    if original.has_unheard:
+        shifts["unheard"] = laplace.dynamics(post, V, beta, unheard=True)
+    shifts["trials"] = laplace.between_trials(blocks, V)
+    if lost := max(recording.emg_lost for recording in family.inputs):
+        heard = [float(name in original.spec.weights) for name in post.of]
+        shifts["emg_band"] = lost * np.array([heard])
+    for group, conflict in against.items():
+        source = NUISANCES[group].name
+        before = shifts.get(source, np.zeros((0, len(V))))
+        shifts[source] = np.concatenate([before, conflict.widened(V)])
+    return shifts
+
+
+def _candidates(sets: Sequence[Subset], values: Mapping[str, float]) -> tuple[Candidate, ...]:
+    """The chosen departures with their values, and others that are not unsupported."""
+    supported = [sets[0], *(s for s in sets[1:6] if s.weight > laplace.UNSUPPORTED)]
+    first, *others = (Candidate(COMPLIANT, s.groups, s.evidence, s.weight, {}) for s in supported)
+    return replace(first, values=FrozenDict(values)), *others
 
 
 def _against(

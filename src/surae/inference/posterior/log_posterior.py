@@ -42,6 +42,13 @@ _IDLE = 2
 _LITTLE = 1.0
 
 
+def _damped(damping: float, part: float, begun: float, ratio: float) -> float:
+    """Damping after a step that gained so many times what was predicted, or had to be shortened."""
+    if part < begun:
+        return damping * 2.0
+    return max(damping * eased(ratio), 1e-12) if part == 1.0 else damping
+
+
 @dataclass(frozen=True, slots=True)
 class Block:
     """One recording's part of the normal equations, its latents eliminated."""
@@ -209,27 +216,8 @@ class LogPosterior(Coordinates):
         fast = np.zeros((0, q + m + 1))
         gain = 0.0
         if len(w):
-            prior, mean = self._fast[number]
-            muscles = len(prior) - 1
-            own = each[0][0].band
-            at_c = each[0][0].still.start
-            border = reduce(np.add, (rows.border / variance for rows, variance in each))
-            away = w + self.observed.expected[number] - mean
-            pull = self.fast_product(number, away[:, None])[:, 0]
-            cost += float(away @ pull)
-            border[:, -1] += pull
-            if number not in self._factored or self._factored[number][0] is not own:
-                band = np.zeros((max(len(rows.band) for rows, _ in each), len(w)))
-                for rows, variance in each:
-                    band[: len(rows.band)] += rows.band / variance
-                band[0] += prior[0]
-                band[muscles] += prior[muscles]
-                band = cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False).T
-                still = reduce(np.add, (rows.still_border / variance for rows, variance in each))
-                self._factored[number] = own, band, solve_band(band, still)
-            _, band, still = self._factored[number]
-            solved = solve_band(band, border)
-            fast = np.hstack([solved[:, :at_c], still, solved[:, at_c:]])
+            band, fast, pulled = self._fast_eliminated(each, w, number)
+            cost += pulled
             H -= fast.T @ fast
             gain = float(fast[:, -1] @ fast[:, -1])
         D = H[q : q + m, q : q + m]
@@ -246,6 +234,35 @@ class LogPosterior(Coordinates):
         g[at] = H[:q, -1] - solved.T @ gc
         by_z[:, at] = solved
         return Block(whole, g, factor, by_z, step_c, cost, gain, at, band, fast)
+
+    def _fast_eliminated(
+        self, each: Sequence[tuple[SensorRows, float]], w: FloatArray, number: int
+    ) -> tuple[FloatArray, FloatArray, float]:
+        """Factor of a recording's fast gains, what they are solved to, and what they cost.
+
+        The factor is banded, shape (k, b); the others are (k, q + m + 1), of all that is not fast.
+        """
+        prior, mean = self._fast[number]
+        muscles = len(prior) - 1
+        own = each[0][0].band
+        at_c = each[0][0].still.start
+        border = reduce(np.add, (rows.border / variance for rows, variance in each))
+        away = w + self.observed.expected[number] - mean
+        pull = self.fast_product(number, away[:, None])[:, 0]
+        border[:, -1] += pull
+        if number not in self._factored or self._factored[number][0] is not own:
+            band = np.zeros((max(len(rows.band) for rows, _ in each), len(w)))
+            for rows, variance in each:
+                band[: len(rows.band)] += rows.band / variance
+            band[0] += prior[0]
+            band[muscles] += prior[muscles]
+            band = cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False).T
+            still = reduce(np.add, (rows.still_border / variance for rows, variance in each))
+            self._factored[number] = own, band, solve_band(band, still)
+        _, band, still = self._factored[number]
+        solved = solve_band(band, border)
+        fast = np.hstack([solved[:, :at_c], still, solved[:, at_c:]])
+        return band, fast, float(away @ pull)
 
     def fast_product(self, number: int, moved: FloatArray) -> FloatArray:
         """Inverse covariance of a recording's fast gains times these columns, shape (k, q)."""
@@ -314,7 +331,8 @@ class LogPosterior(Coordinates):
             d = box_quadratic(A + damping * eye, b, *room)
             gain = predicted_gain(A, b, d)
             slope = 2.0 * (latent_gain - float(b @ d))
-            part = begun = min(1.0, 2.0 * last)  # the one before may have had to be shortened
+            begun = min(1.0, 2.0 * last)  # the one before may have had to be shortened
+            part = begun
             better = False
             while not better and part > _SHORTEST and spent < evaluations:
                 trial = self._trial(here, d / scale, part)
@@ -332,11 +350,8 @@ class LogPosterior(Coordinates):
             if trial.cost < (1.0 - FAR) * here.cost:
                 secant = Secant(len(z))
             last = part
-            if part < begun:
-                damping *= 2.0
-            elif part == 1.0:
-                ratio = (here.cost - trial.cost) / max(gain + latent_gain, 1e-300)
-                damping = max(damping * eased(ratio), 1e-12)
+            predicted = max(gain + latent_gain, 1e-300)
+            damping = _damped(damping, part, begun, (here.cost - trial.cost) / predicted)
             here = trial
 
     def _point(self, z: FloatArray, c: tuple[FloatArray, ...], w: tuple[FloatArray, ...]) -> Point:

@@ -6,7 +6,7 @@ saw of each recording.
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
@@ -25,7 +25,7 @@ from surae.inference.judging.adequacy import Adequacy, Grade
 from surae.inference.judging.assessment import AssessedFit, Assessment, assess
 from surae.inference.judging.parameter import Interval, ParameterEstimate
 from surae.inference.judging.reasons import Reason, as_given
-from surae.inference.result import Stage
+from surae.inference.result import Outliers, Stage
 from surae.model import ModelOptions, check_value, get_model, with_optional
 from surae.model.source_table import SOURCES
 from surae.quality.finding import Quality
@@ -315,7 +315,7 @@ def _check(result: FitResult) -> None:
     """Refuse arrays that do not go with each other, and numbers that no fit gives."""
     problem = result.problem
     solution = result.solution
-    outliers = result.solution.outliers
+    outliers = solution.outliers
     p = len(problem.free)
     inputs = problem.inputs
     shapes: list[tuple[str, FloatArray, tuple[int, ...]]] = [("R", result.R, (p, p))]
@@ -343,19 +343,10 @@ def _check(result: FitResult) -> None:
         )
     shapes += [(f"family.spread.{s}", by, (len(by), p)) for s, by in solution.spread.items()]
     if outliers is not None:
-        scales = (outliers.tuning, outliers.scale, outliers.widening)
-        between = all(w.size and w.min() > 0 and w.max() <= 1 for w in outliers.weights)
-        if outliers.loss not in LOSSES or min(scales) <= 0 or not between:
-            raise InputError("outliers: an unknown loss, or a number that is impossible")
-        if len(outliers.weights) != len(inputs):
-            raise InputError("outliers.weights: not one for each recording")
+        _check_outliers(outliers, len(inputs))
         pairs = enumerate(zip(outliers.weights, inputs, strict=True))
-        shapes += [(f"outliers.weights[{i}]", w, (own.n,)) for i, (w, own) in pairs]
-    for where, array, shape in shapes:
-        if array.shape != shape:
-            raise InputError(f"{where}: an array is {list(array.shape)}, expected {list(shape)}")
-        if where.endswith(("].time", "].angle", "].torque")) and not np.isfinite(array).all():
-            raise InputError(f"{where}: not all of it are numbers")
+        shapes += [(f"outliers.weights[{i}]", w, (each.n,)) for i, (w, each) in pairs]
+    _check_shapes(shapes)
     if not (np.isfinite(problem.lower).all() and np.isfinite(problem.upper).all()):
         raise InputError("parameters: a bound is not a number")
     with np.errstate(over="ignore", invalid="ignore"):
@@ -363,3 +354,22 @@ def _check(result: FitResult) -> None:
         weighted = sum(float(np.sum(own.weights * e**2)) for own, e in pairs_of)
     if math.isfinite(result.sse) and not math.isclose(result.sse, weighted, rel_tol=1e-6):
         raise InputError("sse: the sum of squares is not that of the residuals")
+
+
+def _check_outliers(outliers: Outliers, recordings: int) -> None:
+    """Refuse weights of outliers that no fit gives."""
+    scales = (outliers.tuning, outliers.scale, outliers.widening)
+    between = all(w.size and w.min() > 0 and w.max() <= 1 for w in outliers.weights)
+    if outliers.loss not in LOSSES or min(scales) <= 0 or not between:
+        raise InputError("outliers: an unknown loss, or a number that is impossible")
+    if len(outliers.weights) != recordings:
+        raise InputError("outliers.weights: not one for each recording")
+
+
+def _check_shapes(shapes: Sequence[tuple[str, FloatArray, tuple[int, ...]]]) -> None:
+    """Refuse arrays that have not the shape they should, and signals that are not numbers."""
+    for where, array, shape in shapes:
+        if array.shape != shape:
+            raise InputError(f"{where}: an array is {list(array.shape)}, expected {list(shape)}")
+        if where.endswith(("].time", "].angle", "].torque")) and not np.isfinite(array).all():
+            raise InputError(f"{where}: not all of it are numbers")

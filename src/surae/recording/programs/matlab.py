@@ -263,12 +263,7 @@ def _signals(
         full = prefix + name
         if isinstance(value, _Object):
             if value not in _TEXTS:
-                plainly = _PLAINLY.get(value, "s = struct({0})").format(full)
-                refused = (
-                    f"a MATLAB {value}, which only MATLAB can open; save it plainly there: "
-                    f'{plainly}; save("plain.mat", "-struct", "s")'
-                )
-                yield Parsed(full, np.empty(0), (0.0, 1.0), refused=refused)
+                yield _refused(full, value)
         elif isinstance(value, Mapping):
             if "values" in value and "interval" in value:
                 yield _spike2(full, value)
@@ -279,28 +274,60 @@ def _signals(
             for index, element in enumerate(each if depth < _DEEPEST else [], start=1):
                 yield from _signals({f"({index})": element}, full, shown, depth + 1, rate)
         elif name not in times and _shape(value):
-            array = value.squeeze()  # a vector, or a matrix whose rows or columns are channels
-            vectors = [(full, array, "")] if array.ndim == 1 and len(array) > 1 else []
-            if array.ndim == 2:
-                fits = next((len(t) for t in seconds.values() if len(t) in array.shape), None)
-                if (rows := by_channel(array, fits)) is not None:
-                    names, units = beside(variables, name, len(rows))
-                    across = "{},:" if rows.shape == array.shape else ":,{}"
-                    vectors = [
-                        (
-                            f"{full}: {names[i]}" if names else f"{full}({across.format(i + 1)})",
-                            row,
-                            units[i] if units else "",
-                        )
-                        for i, row in enumerate(rows)
-                    ]
-            for label, vector, unit in vectors:
-                at = next((key for key, time in seconds.items() if len(time) == len(vector)), None)
-                if at is not None:
-                    remark = "" if "_" in at else f"{prefix}{at} is taken as seconds"
-                    yield Parsed(label, vector, seconds[at], unit, remark, time_name=prefix + at)
-                elif len(vector) > 1 and (rate is not None or len(vector) >= _SIGNAL):
-                    yield Parsed(label, vector, (0.0, rate or 0.0), unit)
+            for label, vector, unit in _vectors(variables, name, prefix, seconds):
+                yield from _placed(label, vector, unit, prefix, seconds, rate)
+
+
+def _placed(
+    label: str,
+    vector: Any,
+    unit: str,
+    prefix: str,
+    seconds: Mapping[str, FloatArray],
+    rate: float | None,
+) -> Iterator[Parsed]:
+    """A vector with the times that are as many, or at the rate; nothing where it is no signal."""
+    at = next((key for key, time in seconds.items() if len(time) == len(vector)), None)
+    if at is not None:
+        remark = "" if "_" in at else f"{prefix}{at} is taken as seconds"
+        yield Parsed(label, vector, seconds[at], unit, remark, time_name=prefix + at)
+    elif len(vector) > 1 and (rate is not None or len(vector) >= _SIGNAL):
+        yield Parsed(label, vector, (0.0, rate or 0.0), unit)
+
+
+def _refused(name: str, value: _Object) -> Parsed:
+    """An object that only MATLAB can open, and how to save it plainly."""
+    plainly = _PLAINLY.get(value, "s = struct({0})").format(name)
+    refused = (
+        f"a MATLAB {value}, which only MATLAB can open; save it plainly there: "
+        f'{plainly}; save("plain.mat", "-struct", "s")'
+    )
+    return Parsed(name, np.empty(0), (0.0, 1.0), refused=refused)
+
+
+def _vectors(
+    variables: Mapping[str, Any], name: str, prefix: str, seconds: Mapping[str, FloatArray]
+) -> list[tuple[str, Any, str]]:
+    """Label, values and unit of a vector, or of each channel of a matrix."""
+    full = prefix + name
+    array = variables[name].squeeze()
+    if array.ndim == 1 and len(array) > 1:
+        return [(full, array, "")]
+    if array.ndim != 2:
+        return []
+    fits = next((len(t) for t in seconds.values() if len(t) in array.shape), None)
+    if (rows := by_channel(array, fits)) is None:
+        return []
+    names, units = beside(variables, name, len(rows))
+    across = "{},:" if rows.shape == array.shape else ":,{}"
+    return [
+        (
+            f"{full}: {names[i]}" if names else f"{full}({across.format(i + 1)})",
+            row,
+            units[i] if units else "",
+        )
+        for i, row in enumerate(rows)
+    ]
 
 
 def _spike2(name: str, channel: Mapping[str, Any]) -> Parsed:

@@ -1,11 +1,11 @@
 """What a trial is worth, said by a child process so that nothing else waits: first quickly."""
 
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -26,7 +26,7 @@ from surae.base.files import write_atomic
 from surae.base.formatting import of_interval
 from surae.base.frozen import read_only
 from surae.base.names import LANGUAGES
-from surae.base.words import N_
+from surae.base.words import N_, Message
 from surae_workbench.live.record import counted
 
 if TYPE_CHECKING:
@@ -59,6 +59,8 @@ _OF_MOVEMENT = (
 )
 #: Reasons against a fit that only say what effort would show.
 _OF_EFFORT = ("at-bound", "emg-steady", "implausible")
+_NOTHING = N_("Nothing to fit: {why}.")
+_OPEN = N_("Alone it leaves open: {what}.")
 _REFERENCE = N_("Kept: other trials’ efforts are a part of this one.")
 _WORKED = N_(
     "The leg should have rested, and muscles worked: record it again relaxed, or keep it as it is."
@@ -174,40 +176,61 @@ def judge(
                 "vaf": quick.vaf,
                 "reasons": list(dict.fromkeys(reason.plain for reason in against)),
             }
-    said = verdict(quality, judgement)
-    doubted = wrong is not None and said["verdict"] == "keep"
-    if doubted:
-        said = {"verdict": "look", "advice": wrong or ""}
-    told = {
-        _.language: {"advice": _(wrong) if doubted and wrong else _advice(quality, judgement, _)}
-        for _ in _others()
+    advised = decided(quality, judgement, wrong)
+    others = (api.words_in(language) for language in LANGUAGES if language != "en")
+    return judgement | {
+        "verdict": advised.verdict,
+        "advice": advised.said(api.words_in("en")),
+        "told": {_.language: {"advice": advised.said(_)} for _ in others},
     }
-    return judgement | said | {"told": told}
 
 
-def _others() -> Iterator["Words"]:
-    """The languages that pages speak beside English."""
-    return (api.words_in(language) for language in LANGUAGES if language != "en")
+@dataclass(frozen=True, slots=True)
+class Advised:
+    """One word on a trial, and what to do."""
+
+    verdict: Literal["keep", "look", "repeat"]
+    message: Message
+    is_clause: bool = False  #: A reason, which is no sentence by itself.
+
+    def said(self, _: "Words") -> str:
+        """What to do, in a language."""
+        return _.sentence(self.message) if self.is_clause else _(self.message)
 
 
-def _advice(quality: Quality, judgement: Mapping[str, Any], _: "Words") -> str:
-    """What `verdict` advises, in another language."""
-    worst = sorted(quality.findings, key=_causes_first)
-    for severity in ("error", "warning"):
-        if severity == "warning" and judgement["grade"] == "inadequate":
-            break
-        for each in worst:
-            if each.severity == severity:
-                return _.finding(each)
-    reasons = "; ".join(map(_, judgement["reasons"]))
-    grade = judgement["grade"]
-    if judgement["effort"] == "maximal":
-        return _(_REFERENCE)
-    if grade is None:
-        return _("Nothing to fit in this trial.")
-    if grade == "inadequate" or not reasons:
-        return reasons
-    return _("Alone it leaves open: {what}.", what=reasons)
+def decided(quality: Quality, judgement: Mapping[str, Any], wrong: str | None = None) -> Advised:
+    """What a trial is worth, and what to do.
+
+    Doubts of the quick fit alone ask for no repetition: the joint fit of the session judges them.
+    `wrong` is what the leg did other than it was asked to, where the trial is well otherwise.
+    """
+    reasons = _listed(judgement["reasons"])
+    why = _message(judgement["why"])
+    if errors := _said(quality, "error"):
+        return Advised("repeat", errors[0])
+    if judgement["use"] == "none":
+        return Advised("repeat", why)
+    if judgement["grade"] == "inadequate":
+        return Advised("repeat", reasons, is_clause=True)
+    if warnings := _said(quality, "warning"):
+        return Advised("look", warnings[0])
+    if wrong is not None:
+        return Advised("look", Message(wrong))
+    remark = Message(_OPEN, what=reasons) if reasons else reasons
+    if judgement.get("effort") == "maximal":
+        remark = Message(_REFERENCE)
+    elif judgement["grade"] is None:
+        remark = Message(_NOTHING, why=why)
+    return Advised("keep", remark)
+
+
+def _said(quality: Quality, severity: str) -> list[Message]:
+    """What was found and what to do, causes first."""
+    return [
+        Message("{found} {advice}", found=each.message, advice=each.advice)
+        for each in sorted(quality.findings, key=_causes_first)
+        if each.severity == severity
+    ]
 
 
 def _causes_first(finding: "Finding") -> bool:
@@ -215,38 +238,17 @@ def _causes_first(finding: "Finding") -> bool:
     return finding.code != "electrode-off"
 
 
-def verdict(quality: Quality, judgement: Mapping[str, Any]) -> dict[str, str]:
-    """One word on a trial, and what to do.
-
-    Doubts of the quick fit alone ask for no repetition: the joint fit of the session judges them.
-    """
-    causes_first = sorted(quality.findings, key=_causes_first)
-    errors, warnings = (
-        [f"{f.message} {f.advice}" for f in causes_first if f.severity == severity]
-        for severity in ("error", "warning")
-    )
-    if errors:
-        return {"verdict": "repeat", "advice": errors[0]}
-    if judgement["use"] == "none":
-        return {"verdict": "repeat", "advice": judgement["why"]}
-    if judgement["grade"] == "inadequate":
-        return {"verdict": "repeat", "advice": f"{_sentence(judgement['reasons'])}."}
-    if warnings:
-        return {"verdict": "look", "advice": warnings[0]}
-    doubts = "; ".join(judgement["reasons"])
-    advice = ""
-    if judgement.get("effort") == "maximal":
-        advice = _REFERENCE
-    elif judgement["grade"] is None:
-        advice = f"Nothing to fit: {judgement['why']}."
-    elif doubts:
-        advice = f"Alone it leaves open: {doubts}."
-    return {"verdict": "keep", "advice": advice}
+def _message(text: str) -> Message:
+    """A text that may be in the catalogues."""
+    return text if isinstance(text, Message) else Message(text)
 
 
-def _sentence(reasons: Sequence[str]) -> str:
-    text = "; ".join(reasons)
-    return text[:1].upper() + text[1:]
+def _listed(reasons: Sequence[str]) -> Message:
+    """Reasons one after another; none are an empty message."""
+    if not reasons:
+        return Message("")
+    first, *others = map(_message, reasons)
+    return Message("{first}; {others}", first=first, others=_listed(others)) if others else first
 
 
 def of_leg(measures: Mapping[str, "Measure"], _: "Words") -> list[str]:

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Unpack
 
 import click
 import numpy as np
-from fastapi import Body, Request, Response
+from fastapi import Body, FastAPI, Request, Response
 from fastapi.responses import JSONResponse, StreamingResponse
 from starlette.routing import Mount
 from starlette.staticfiles import StaticFiles
@@ -181,25 +181,50 @@ def create_app(served: ServedRoom, policy: Policy, subject: str | None) -> ASGIA
     `policy` says who may operate; `subject` is the token of the subject's page, which opens nothing
     else; None where nobody needs one.
     """
-    room = served.room
 
     def answer(request: Request, status: int, text: str, headers: Any = None) -> Response:  # noqa: ARG001
         return JSONResponse({"error": text}, status, headers)
 
     app = bare_app(answer)
     app.router.routes.insert(0, Mount("/static/live", StaticFiles(directory=_HERE / "static")))
+    _add_page(app, "/", "operator")
+    _add_page(app, "/subject", "subject")
+    _add_views(app, served)
+    _add_actions(app, served)
+    operator = Security(app, policy, RoomBrowsers("live"))
+    second = Policy(policy.hosts, policy.any_address, subject, policy.upload_bytes)
+    watching = Security(app, second, RoomBrowsers("live_subject"))
 
-    def page(path: str, name: str) -> None:
-        def shown(request: Request) -> Response:
-            text = template(f"{name}.html.j2", "surae_workbench.live").render(
-                csrf=request.state.session.csrf, version=__version__, **spoken(request)
-            )
-            return Response(text, media_type="text/html")
+    async def dispatched(scope: Scope, receive: Receive, send: Send) -> None:
+        """The subject's page, and the files that it is drawn with, have a token of their own."""
+        await (watching if _of_subject(scope) else operator)(scope, receive, send)
 
-        app.get(path)(shown)
+    return dispatched
 
-    page("/", "operator")
-    page("/subject", "subject")
+
+def _of_subject(scope: Scope) -> bool:
+    """Whether a request is of the subject's page."""
+    path = scope.get("path", "")
+    if not path.startswith("/static/"):
+        return bool(path.startswith(_SUBJECT))
+    cookies = b"; ".join(v for k, v in scope["headers"] if k == b"cookie")
+    theirs = b"surae_token_live_subject_"
+    return theirs in cookies and b"surae_token_live_" not in cookies.replace(theirs, b"")
+
+
+def _add_page(app: FastAPI, path: str, name: str) -> None:
+    """A page, of its template."""
+
+    @app.get(path)
+    def shown(request: Request) -> Response:
+        text = template(f"{name}.html.j2", "surae_workbench.live").render(
+            csrf=request.state.session.csrf, version=__version__, **spoken(request)
+        )
+        return Response(text, media_type="text/html")
+
+
+def _add_views(app: FastAPI, served: ServedRoom) -> None:
+    """What pages show: as it is now, and what is new."""
 
     @app.get("/api/live")
     def state() -> dict[str, Any]:
@@ -216,6 +241,11 @@ def create_app(served: ServedRoom, policy: Policy, subject: str | None) -> ASGIA
     @app.get("/api/subject/events")
     async def subject_news() -> StreamingResponse:
         return served.events.answer("subject")
+
+
+def _add_actions(app: FastAPI, served: ServedRoom) -> None:
+    """What the operator may do."""
+    room = served.room
 
     @app.post("/api/live/start")
     def start(countdown: _Seconds = 3.0) -> dict[str, int]:
@@ -252,23 +282,6 @@ def create_app(served: ServedRoom, policy: Policy, subject: str | None) -> ASGIA
         if room.laboratory is None:
             raise InputError("this is no rehearsal: nothing can be made to go wrong")
         room.laboratory.fault(kind=kind, **({} if at is None else {"at": at}))
-
-    operator = Security(app, policy, RoomBrowsers("live"))
-    second = Policy(policy.hosts, policy.any_address, subject, policy.upload_bytes)
-    watching = Security(app, second, RoomBrowsers("live_subject"))
-
-    async def dispatched(scope: Scope, receive: Receive, send: Send) -> None:
-        """The subject's page, and the files that it is drawn with, have a token of their own."""
-        path = scope.get("path", "")
-        theirs = path.startswith(_SUBJECT)
-        if path.startswith("/static/"):
-            cookies = b"; ".join(v for k, v in scope["headers"] if k == b"cookie")
-            theirs = b"surae_token_live_subject_" in cookies and b"surae_token_live_" not in (
-                cookies.replace(b"surae_token_live_subject_", b"")
-            )
-        await (watching if theirs else operator)(scope, receive, send)
-
-    return dispatched
 
 
 def serve(folder: PathLike, address: Address, **room: Unpack[RoomOptions]) -> None:
