@@ -46,8 +46,8 @@ def test_values_come_back_and_stay_within_their_bounds() -> None:
 
 def test_each_of_several_recordings_has_its_zero() -> None:
     one, two = coordinates(1), coordinates(2)
-    assert (one.own, "torque_zero" in one.names) == ((), True)
-    assert (two.own, "torque_zero" in two.names) == (("torque_zero",), False)
+    assert (one.per_recording, "torque_zero" in one.names) == ((), True)
+    assert (two.per_recording, "torque_zero" in two.names) == (("torque_zero",), False)
     assert len(two.lower) == len(two.upper) == len(two.mean) == len(two.names) + 2
     z = two.start({"torque_zero": 2.0})
     np.testing.assert_allclose(z[-2:], 2.0)
@@ -63,7 +63,7 @@ def test_each_of_several_recordings_has_its_level_at_rest() -> None:
     white = white_noise(problem, 0.1)
     post = Family(problem).posterior((), 64.0, white, NEARLY_NONE)
     point = post.descend(post.start({}), evaluations=0, tolerance=1.0)
-    assert {*post.own} == {"torque_zero", *OPTIONAL["emg_rest"]}
+    assert {*post.per_recording} == {"torque_zero", *OPTIONAL["emg_rest"]}
     shared = len(post.names)
     at = [post.of_recording(number)[shared:] for number in (0, 1)]
     assert not {*at[0]} & {*at[1]}  # the other's own moves nothing here

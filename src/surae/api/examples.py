@@ -25,7 +25,7 @@ _MOVED = (
 def example_leg(folder: PathLike) -> tuple[Path, ...]:
     """Write trials of one virtual leg, with what real measurements have, and give their files."""
     leg = virtual_subject(seed=1)
-    movements = {f"held_{angle}deg": _held(angle) for angle in _HELD}
+    movements = {f"held_{angle}deg": _hold(angle) for angle in _HELD}
     for name, profile, task, seconds in _MOVED:
         movements[name] = generate(
             Protocol(
@@ -46,7 +46,7 @@ def example_leg(folder: PathLike) -> tuple[Path, ...]:
     return tuple(files)
 
 
-def _held(degrees: int) -> Trajectory:
+def _hold(degrees: int) -> Trajectory:
     """The ankle held still and relaxed."""
     time = np.arange(round(_HOLD * _RATE)) / _RATE
     still = np.zeros(len(time))

@@ -284,14 +284,14 @@ class _Run:
         return fit, f"{fit.adequacy.grade}, R² {fit.adequacy.r2:.2f} %, {seconds:.0f} s"
 
     def _tell(self, step: str) -> None:
-        self.progress(Step(step, self._done, len(self._steps), self._left()))
+        self.progress(Step(step, self._done, len(self._steps), self._remaining_seconds()))
 
     def _step(self, name: str, outcome: str) -> None:
         self._done += 1
         self._cost.pop(name, None)
-        self.progress(Step(name, self._done, len(self._steps), self._left(), outcome))
+        self.progress(Step(name, self._done, len(self._steps), self._remaining_seconds(), outcome))
 
-    def _left(self) -> float | None:
+    def _remaining_seconds(self) -> float | None:
         """About how long the rest takes, by how long a sample has taken."""
         if self._paid <= 0.0:
             return None

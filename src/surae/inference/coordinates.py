@@ -34,17 +34,18 @@ class Coordinates:
         self.priors = priors
         several = len(problem.inputs) if len(problem.inputs) > 1 else 0
         #: Of each recording, in its turn behind the shared ones; empty for a single one.
-        self.own = tuple(n for n in problem.free if several and n in _EACH)
-        self.names = tuple(n for n in problem.free if n not in self.own)
+        self.per_recording = tuple(n for n in problem.free if several and n in _EACH)
+        self.names = tuple(n for n in problem.free if n not in self.per_recording)
         self.columns, self.own_columns = (
-            [problem.spec.names.index(n) for n in names] for names in (self.names, self.own)
+            [problem.spec.names.index(n) for n in names]
+            for names in (self.names, self.per_recording)
         )
         own = [problem.free.index(n) for n in self.names]
         self._lower = problem.lower[own]
         self._upper = problem.upper[own]
         self._log = ~straight(self.names)
         #: Parameter that each coordinate is of.
-        self.of = coordinates = (*self.names, *self.own * several)
+        self.of = coordinates = (*self.names, *self.per_recording * several)
         #: Means and 1/sd of the priors, and bounds, of every coordinate, shape (q,).
         self.mean = np.array([priors[n].mean for n in coordinates])
         self.weight = np.array([1.0 / priors[n].sd for n in coordinates])
@@ -79,7 +80,7 @@ class Coordinates:
         with np.errstate(over="ignore"):
             natural = np.where(self._log, np.exp(own), own)
         values[self.columns] = np.clip(natural, self._lower, self._upper)
-        if self.own:
+        if self.per_recording:
             each = self.each(z)
             values[self.own_columns] = each.mean(axis=0) if number is None else each[number]
         return values
@@ -91,7 +92,7 @@ class Coordinates:
     def of_recording(self, number: int) -> npt.NDArray[np.int64]:
         """Where among the coordinates those are that move a recording: shared ones, its own."""
         shared = len(self.names)
-        own = len(self.own)
+        own = len(self.per_recording)
         return np.append(np.arange(shared), shared + number * own + np.arange(own))
 
     def by_name(self, z: FloatArray, number: int | None = None) -> dict[str, float]:

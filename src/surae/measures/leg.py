@@ -251,10 +251,10 @@ class Leg:
         """A muscle group at an angle with an active state α [N], tissue fully relaxed."""
         key = (group, degrees, alpha)
         if key not in self._holds:
-            self._holds[key] = self._held(*key)
+            self._holds[key] = self._computed_hold(*key)
         return self._holds[key]
 
-    def _held(self, group: str, degrees: float, alpha: float) -> MuscleHold:
+    def _computed_hold(self, group: str, degrees: float, alpha: float) -> MuscleHold:
         k, x0, l0, relaxed, shift, shape, curve = muscle = self._muscle(group)
         x, slope, arm, arm_slope = self._path(group, degrees * _DEGREE)
         if curve is None:

@@ -224,15 +224,15 @@ class ActivationFilter:
         first = np.zeros(len(signals)) if delay is None else signals[:, 0].copy()
         steps, back = self.instants(delay or 0.0)
         if len(rows) == len(signals):
-            held = self._held(1, rows.shape)[0] if first.any() else np.zeros((0, 0))
+            held = self._step_response(1, rows.shape)[0] if first.any() else np.zeros((0, 0))
             _respond(signals, first, steps, back, 0, held, rows)
             return
         for lag in range(len(steps)):
             _respond_with_derivatives(signals[0], first[0], steps[lag], back[lag], *rows[:, lag])
         if first[0] != 0.0:
-            rows += first[0] * self._held(len(rows), rows.shape)
+            rows += first[0] * self._step_response(len(rows), rows.shape)
 
-    def _held(self, count: int, shape: tuple[int, ...]) -> FloatArray:
+    def _step_response(self, count: int, shape: tuple[int, ...]) -> FloatArray:
         """Response, and with a count of three its derivatives, to a step at the first sample."""
         if count not in self._steady:
             self._steady[count] = np.zeros((count, *shape[1:]))

@@ -23,7 +23,7 @@ _SILENT = 0.2
 class OfEnvelopes:
     """Muscles' envelopes u = M⁻¹·e, shape (4, n)."""
 
-    own: FloatArray
+    envelopes: FloatArray
     inverse: FloatArray
 
     @classmethod
@@ -39,18 +39,18 @@ class OfEnvelopes:
     def by_crosstalk(self, by_own: FloatArray, muscles: slice) -> dict[tuple[int, int], FloatArray]:
         """Derivatives by what electrode i hears of muscle j, shape (n,) each."""
         heard = self.by_electrode(by_own, muscles)
-        return {(i, j): -heard[i] * self.own[j] for i, j in CROSSTALK}
+        return {(i, j): -heard[i] * self.envelopes[j] for i, j in CROSSTALK}
 
 
 @dataclass(frozen=True, slots=True)
 class OfPowers:
     """Muscles' envelopes u = e·√(p/s²), p = (M∘M)⁻¹·s², shape (4, n); s are smooth envelopes."""
 
-    own: FloatArray
+    envelopes: FloatArray
     inverse: FloatArray  #: (M∘M)⁻¹.
     mixing: FloatArray
     powers: FloatArray  #: p.
-    kept: FloatArray  #: ∂u/∂e.
+    by_heard: FloatArray  #: ∂u/∂e.
     by_power: FloatArray  #: ∂u/∂p.
 
     @classmethod
@@ -68,8 +68,8 @@ class OfPowers:
 
     def by_electrode(self, by_own: FloatArray, muscles: slice) -> FloatArray:
         """Derivatives by what each electrode hears, shape (4, n), of those by some muscles' u."""
-        heard = np.zeros_like(self.own)
-        heard[muscles] = by_own * self.kept[muscles]
+        heard = np.zeros_like(self.envelopes)
+        heard[muscles] = by_own * self.by_heard[muscles]
         return heard
 
     def by_crosstalk(self, by_own: FloatArray, muscles: slice) -> dict[tuple[int, int], FloatArray]:

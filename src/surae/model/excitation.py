@@ -171,7 +171,7 @@ class Excitation:
             unmixed = OfEnvelopes.of(heard, mixing)
         else:
             unmixed = OfEnvelopes(heard, mixing)
-        own = unmixed.own
+        own = unmixed.envelopes
         later: FloatArray | float = 0.0
         if self._by_release is not None:
             later = self._value(values, "release") * self._by_release

@@ -152,7 +152,7 @@ def _table(
         stated,
         tuple(seconds.tolist()),
     )
-    return table.held(notes["second_angle"]) if "second_angle" in notes else table
+    return table.at_second(notes["second_angle"]) if "second_angle" in notes else table
 
 
 def _grid(

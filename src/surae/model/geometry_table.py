@@ -91,7 +91,7 @@ class GeometryTable:
         Where the table has one that is not given, it is in the middle. Beyond the ends arms stay
         and lengths go on straight.
         """
-        table = self.held() if second is None else self
+        table = self.at_second() if second is None else self
         inside = angle.clip(*self.range)
         beyond = angle - inside
         within = beyond == 0.0
@@ -124,17 +124,19 @@ class GeometryTable:
             turn,
         )
 
-    def held(self, second: float | None = None) -> "GeometryTable":
+    def at_second(self, second: float | None = None) -> "GeometryTable":
         """The table with the second joint still at an angle [rad], by default the middle one."""
         if not self.second:
             return self
-        return _held(self, 0.5 * (self.second[0] + self.second[-1]) if second is None else second)
+        return _at_second(
+            self, 0.5 * (self.second[0] + self.second[-1]) if second is None else second
+        )
 
     def rest(self, group: int) -> float:
         """Length at 0 rad, about [m]."""
         import numpy as np
 
-        return float(np.interp(0.0, self.angle, self.held().length[group]))
+        return float(np.interp(0.0, self.angle, self.at_second().length[group]))
 
     @property
     def arms_mm(self) -> tuple[float, float]:
@@ -147,7 +149,7 @@ class GeometryTable:
     @property
     def travels_far(self) -> bool:
         """Whether the triceps travels as by virtual work, not as little as equation (9) says."""
-        length = self.held().length[0]
+        length = self.at_second().length[0]
         (low, high) = self.range
         travel = sum(abs(b - a) for a, b in pairwise(length))
         return travel > _FAR * (high - low)
@@ -245,7 +247,7 @@ def _surfaces(
 
 
 @lru_cache(maxsize=16)
-def _held(table: GeometryTable, second: float) -> GeometryTable:
+def _at_second(table: GeometryTable, second: float) -> GeometryTable:
     import numpy as np
 
     angle = np.array(table.angle)

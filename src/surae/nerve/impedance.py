@@ -391,7 +391,7 @@ def _curves(pieces: Sequence[Piece], found: Cascade, direction: int) -> Curves:
     """Frequency and impulse responses of the longest piece, with those of the equations."""
     from scipy.signal import csd, welch
 
-    piece = max(pieces, key=lambda piece: piece.kept)
+    piece = max(pieces, key=lambda piece: piece.length)
     fitted = found.fitted
     intrinsic = replace(fitted.structure, direction=0, threshold=False)
     alone = Fitted(intrinsic, fitted.values, 0.0, ())

@@ -50,7 +50,7 @@ class Parts:
     neural: float
     error: float  #: Standard error of the neural part.
     early: float  #: The neural part without what EMG drives that comes late enough to be by will.
-    held: float  #: What EMG drives that goes on after the stop for longer than a reflex does.
+    sustained: float  #: What EMG drives that goes on after the stop for longer than a reflex does.
     rise: float  #: By how much torque rises again after the foot has stopped.
     rest: float  #: The same before the stretch, when nothing happens.
 
@@ -75,9 +75,9 @@ class TissueTorque:
         torques = [at_rate(of, low(of.torque, of.rate, SMOOTH)) for of in every]
         use = [at_rate(of, q.astype(float)) > 0.99 for of, q in zip(every, quiet, strict=True)]
         competition = Competition(self.tissue, self.envelopes, torques, use)
-        self.kept = competition.best()
+        self.descriptions = competition.best()
         rows = self.tissue.rows
-        self.best = self.kept[0]
+        self.best = self.descriptions[0]
         # columns that compete share what is fast: their single torques are no one's
         plain = competition.plain(self.best.law).c
         self.inertia, self.viscosity = float(plain[0]), float(plain[1] + plain[2] * RELAXES[0])
@@ -89,10 +89,13 @@ class TissueTorque:
         self.apart = competition.left_out(self.best, label)
         #: Torque beyond tissue's by each description, of each recording, (descriptions, n).
         self.beyond = [
-            t - np.stack([d.c for d in self.kept]) @ r.T for t, r in zip(torques, rows, strict=True)
+            t - np.stack([d.c for d in self.descriptions]) @ r.T
+            for t, r in zip(torques, rows, strict=True)
         ]
         drives = competition.drives(self.best.law)
-        self.left = [b[0] - d @ self.best.gains for b, d in zip(self.beyond, drives, strict=True)]
+        self.residuals = [
+            b[0] - d @ self.best.gains for b, d in zip(self.beyond, drives, strict=True)
+        ]
         against = np.array([m == "ta" for m in self.envelopes.muscles], bool)
         self.against = [d[:, against] @ self.best.gains[against] for d in drives]
         # torque of activity that its EMG does not show
@@ -122,13 +125,13 @@ class TissueTorque:
         viscous = rows[span, 1] * self.viscosity
 
         beyond = sign * self.beyond[index]
-        weights = np.array([d.weight for d in self.kept])
+        weights = np.array([d.weight for d in self.descriptions])
         each = beyond[:, window].max(axis=1) - beyond[:, before].mean(axis=1)
         neural = float(weights @ each)
         mean = weights @ beyond
         top = window.start + int(np.argmax(mean[window]))
         at = rows[top][best.used]
-        left = self.left[index]
+        left = self.residuals[index]
         answers = left[first : min(last + round(SHOWN * RATE), n)] - float(np.mean(left[before]))
         error = float(
             np.linalg.norm(

@@ -89,14 +89,14 @@ class Piece:
         while fft.next_fast_len(kept - 1, real=True) != kept - 1:
             kept -= 1
         self.keep = slice(first, first + kept)
-        self.kept = kept - 1
+        self.length = kept - 1
         self.times: FloatArray = time[0] + (np.arange(self.m)[self.keep][:-1] + 0.5) / self.rate
         edge = max(4, round(_TAPER * kept))
-        window = np.ones(self.kept)
+        window = np.ones(self.length)
         window[:edge] = 0.5 - 0.5 * np.cos(np.pi * np.arange(edge) / edge)
         window[-edge:] = window[:edge][::-1]
         self._window = window * self.rate / np.sqrt(self.rate * np.sum(window**2))
-        own = fft.rfftfreq(self.kept, 1.0 / self.rate)
+        own = fft.rfftfreq(self.length, 1.0 / self.rate)
         self.used = (own >= max(LOWEST, 2.5 * self.rate / kept)) & (own <= band)
         self.f: FloatArray = own[self.used]
         self.stretched = lru_cache(24)(self._stretched)
@@ -145,6 +145,6 @@ class Piece:
 
     def in_time(self, bins: ComplexArray) -> FloatArray:
         """Series in time with the given bins, (k, bins) → (k, kept); Σ over time is Σ over bins."""
-        every = np.zeros((*bins.shape[:-1], self.kept // 2 + 1), complex)
+        every = np.zeros((*bins.shape[:-1], self.length // 2 + 1), complex)
         every[..., self.used] = bins
-        return np.asarray(fft.irfft(every, self.kept) * np.sqrt(self.kept / 2.0))
+        return np.asarray(fft.irfft(every, self.length) * np.sqrt(self.length / 2.0))

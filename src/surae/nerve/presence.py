@@ -45,7 +45,7 @@ def shapes(problem: Problem, intrinsic: Fitted, direction: int) -> list[Shape]:
     _, x = problem.linear(intrinsic.structure, intrinsic.values)
     basis, _ = np.linalg.qr(x.T)
     left = problem.y - basis @ (basis.T @ problem.y)
-    total = sum(p.variance * (p.kept + 1) for p in problem.pieces)
+    total = sum(p.variance * (p.length + 1) for p in problem.pieces)
     late = intrinsic.values.get("late", 0.0)
     found = []
     spectra = [[p.stretched(direction, 0.0)[0] * np.exp(-p.s * late), p.s] for p in problem.pieces]

@@ -57,7 +57,7 @@ class Stretched:
     torque: FloatArray  #: [Nm], shape (n,).
     emg: Mapping[str, FloatArray]  #: Envelopes by muscle, of 1 at the trial's largest, (n,).
     ramps: tuple[RampSpan, ...]  #: In order of time.
-    left: FloatArray | None = None  #: Samples without numbers, or of limited torque; None: none.
+    unusable: FloatArray | None = None  #: Without numbers, or of limited torque.
     notes: tuple[str, ...] = ()  #: What was left out, a sentence each.
 
     @property

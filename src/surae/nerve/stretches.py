@@ -215,7 +215,7 @@ def answers(recordings: Sequence[Recording]) -> Stretches:
     ]
     speeds = [_speed(every[i], ramp) for i, ramp in ramps]
     quiet = [
-        np.ones(len(of.time), bool) if of.left is None else ~np.asarray(of.left, bool)
+        np.ones(len(of.time), bool) if of.unusable is None else ~np.asarray(of.unusable, bool)
         for of in every
     ]
     seen = [bool(found) for found in onsets]
@@ -234,7 +234,7 @@ def answers(recordings: Sequence[Recording]) -> Stretches:
         labels[i][ramp.begin if labels[i].any() else 0 :] = own + 1
     tissue = TissueTorque(every, quiet, labels)
     parts = [tissue.parts(i, ramp) for i, ramp in ramps]
-    late = [emg and p.held > 1.96 * p.error for emg, p in zip(seen, parts, strict=True)]
+    late = [emg and p.sustained > 1.96 * p.error for emg, p in zip(seen, parts, strict=True)]
     willing = sum(late) >= WILLING
     usual = max(max(p.rest, p.rise if s else 0.0) for p, s in zip(parts, slow, strict=True))
     stretches = tuple(

@@ -190,7 +190,7 @@ def expected(
         trial = information(trajectory, legs, noise)
         known = prior_precision(trial.names, legs) if known is None else known
         covariances = [estimated(trial.names, matrix + known) for matrix in trial.matrices]
-    own = legs.own
+    own = legs.leg_parameters
     table = adapted(legs.spec.parameters, legs.options, legs.emg_unit)
     columns = [legs.spec.names.index(name) for name in own]
     relative = np.full((len(legs.values), len(own)), np.inf)

@@ -47,7 +47,7 @@ class Legs(Comparable):
     films: tuple[str, ...] = ()  #: Muscles that are filmed (`surae.planning.information`).
 
     @property
-    def own(self) -> tuple[str, ...]:
+    def leg_parameters(self) -> tuple[str, ...]:
         """The parameters of the leg that a fit would estimate."""
         return tuple(name for name in self.free if name not in self.priors)
 

@@ -112,9 +112,9 @@ def measure_next_of(
     not identified.
     """
     assessment = fit.assessment
-    if unknown := [name for name in wanted or () if name not in legs.own]:
+    if unknown := [name for name in wanted or () if name not in legs.leg_parameters]:
         raise InputError(
-            f"{unknown[0]} is not estimated by this fit; it has: {', '.join(legs.own)}"
+            f"{unknown[0]} is not estimated by this fit; it has: {', '.join(legs.leg_parameters)}"
         )
     if assessment.adequacy.grade is Grade.INADEQUATE:
         return _nothing("inadequate", reason=assessment.adequacy.reasons[0])
@@ -122,7 +122,9 @@ def measure_next_of(
         tuple(wanted)
         if wanted
         else tuple(
-            n for n in legs.own if assessment.parameters[n].verdict is not Verdict.IDENTIFIED
+            n
+            for n in legs.leg_parameters
+            if assessment.parameters[n].verdict is not Verdict.IDENTIFIED
         )
     )
     if not weak:
@@ -131,7 +133,7 @@ def measure_next_of(
     best: tuple[float, Ready, Trajectory, FloatArray] | None = None
     names = tuple(n for n in legs.free if n not in legs.each_trial)
     with one_blas_thread():
-        before, stays = _kept(assessment, legs, known)
+        before, stays = _remaining(assessment, legs, known)
 
         def after(adds: FloatArray) -> dict[str, float]:
             halves = _half_widths(names, known, legs, adds)
@@ -189,11 +191,11 @@ def measure_next_of(
 def fit_precision(fit: AssessedFit, legs: Legs) -> dict[str, Any]:
     """What a fit tells an expectation: information, half widths, and what of these stays."""
     known = known_from(fit, legs)
-    now, stays = _kept(fit.assessment, legs, known)
+    now, stays = _remaining(fit.assessment, legs, known)
     return {"known": known, "now": now, "stays": stays}
 
 
-def _kept(
+def _remaining(
     assessment: Assessment, legs: Legs, known: FloatArray
 ) -> tuple[dict[str, float], dict[str, float]]:
     """Half of each interval that a fit has, as a part of the value, and what of it stays.
@@ -204,7 +206,7 @@ def _kept(
     before = _half_widths(names, known, legs)
     stays = dict.fromkeys(before, 0.0)
     told = assessment.uncertainty
-    for name in legs.own:
+    for name in legs.leg_parameters:
         value = abs(assessment.parameters[name].value)
         alone = before[name]
         if name not in told.lost and value and np.isfinite(alone):

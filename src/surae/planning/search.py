@@ -62,13 +62,15 @@ class Aim(Comparable):
 
 def make_aim(name: str, legs: Legs) -> Aim:
     """The aim ``worst``, ``mean``, or of names, e.g. ``"k_tib,passive_stiffness@10deg"``."""
-    wanted = legs.own if name in (WORST, MEAN) else tuple(n.strip() for n in name.split(","))
+    wanted = (
+        legs.leg_parameters if name in (WORST, MEAN) else tuple(n.strip() for n in name.split(","))
+    )
     columns = [legs.spec.names.index(n) for n in legs.free]
     slopes = np.zeros((len(legs.values), len(wanted), len(legs.free)))
-    measured = [n for n in wanted if n not in legs.own]
+    measured = [n for n in wanted if n not in legs.leg_parameters]
     for k, values in enumerate(legs.values):
         for i, which in enumerate(wanted):
-            if which in legs.own:
+            if which in legs.leg_parameters:
                 at = legs.free.index(which)
                 slopes[k, i, at] = 1.0 / values[columns[at]]
         if measured:
@@ -81,7 +83,7 @@ def make_aim(name: str, legs: Legs) -> Aim:
 def _measure_slopes(names: Sequence[str], legs: Legs, values: FloatArray) -> FloatArray:
     """Derivatives of the logarithms of measures, shape (n, p), by differences."""
     angles = tuple(sorted({_angle(name) for name in names if name.endswith("deg")})) or (0.0,)
-    own = (*legs.own, *(n for n in legs.free if n in ("pt_tri", "pt_tib")))
+    own = (*legs.leg_parameters, *(n for n in legs.free if n in ("pt_tri", "pt_tib")))
     base = {n: float(values[legs.spec.names.index(n)]) for n in own}
     model = legs.spec.name
 
@@ -89,7 +91,7 @@ def _measure_slopes(names: Sequence[str], legs: Legs, values: FloatArray) -> Flo
         measures = measures_of_values(parameters, model, legs.options, angles, names)
         if missing := [n for n in names if n not in measures]:
             every = measures_of_values(parameters, model, legs.options, angles)
-            known = ", ".join((*legs.own, *every))
+            known = ", ".join((*legs.leg_parameters, *every))
             raise InputError(f"--aim {missing[0]}: no such parameter or measure; known: {known}")
         return np.array([measures[n] for n in names])
 

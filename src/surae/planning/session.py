@@ -23,6 +23,7 @@ from surae.base.words import Message
 from surae.inference.judging.parameter import IDENTIFIED
 from surae.inference.posterior.laplace import DYNAMICS, ORDER
 from surae.model.knowledge import GEOMETRY_SD, Knowledge, Plate
+from surae.model.knowledge_priors import priors_of
 from surae.model.laboratory import laboratory
 from surae.model.parameters import CROSSTALK
 from surae.model.registry import get_model
@@ -133,7 +134,7 @@ def best_session(
             raise InputError(f"minutes is {minutes:g}; one trial takes {least:.2g}")
         chosen = best[2]
         ordered = tuple(_ordered(judge, chosen, every))
-        shares = FrozenDict(zip(judge.own, judge(chosen).tolist(), strict=True))
+        shares = FrozenDict(zip(judge.names, judge(chosen).tolist(), strict=True))
     return SessionPlan(legs.name, -best[1], ordered, shares)
 
 
@@ -166,15 +167,15 @@ class _Judge:
     """In what part of the legs each of the fifteen is identified, by how often what is done."""
 
     def __init__(self, legs: Legs, names: tuple[str, ...], matrices: Sequence[FloatArray]) -> None:
-        self.own = tuple(n for n in get_model("muscle").names if n in legs.own)
-        self._at = [names.index(name) for name in self.own]
+        self.names = tuple(n for n in get_model("muscle").names if n in legs.leg_parameters)
+        self._at = [names.index(name) for name in self.names]
         self._matrices = matrices
         self._names = names
         self._legs = legs
-        columns = [legs.spec.names.index(name) for name in self.own]
+        columns = [legs.spec.names.index(name) for name in self.names]
         self._values = np.abs(legs.values[:, columns])
         # what no trial tells: the muscles' own filter is not quite the model's
-        self._stays = np.array([ORDER if name in DYNAMICS else 0.0 for name in self.own])
+        self._stays = np.array([ORDER if name in DYNAMICS else 0.0 for name in self.names])
         self._known: dict[tuple[int, ...], FloatArray] = {}
 
     def __call__(self, counts: tuple[int, ...]) -> FloatArray:
@@ -187,16 +188,18 @@ class _Judge:
         empty, axis, geometry, alone = counts[: len(_STEPS)]
         trials = counts[len(_STEPS) :]
         if not any(trials):
-            return np.zeros(len(self.own))
+            return np.zeros(len(self.names))
         tri, tib = (StatedArm(48.0, 1.5), StatedArm(39.3, 1.5)) if geometry else (None, None)
-        stated = Knowledge(
-            axis_mm=StatedAxis(0.0, 3.0, 0.0) if axis else None,
-            plate=Plate() if empty else None,
-            geometry_sd_percent=GEOMETRY_SD if geometry else None,
-            arm_tri_mm=tri,
-            arm_tib_mm=tib,
-            geometry="images" if geometry else "",
-        ).nuisances()
+        stated = priors_of(
+            Knowledge(
+                axis_mm=StatedAxis(0.0, 3.0, 0.0) if axis else None,
+                plate=Plate() if empty else None,
+                geometry_sd_percent=GEOMETRY_SD if geometry else None,
+                arm_tri_mm=tri,
+                arm_tib_mm=tib,
+                geometry="images" if geometry else "",
+            )
+        )
         priors = laboratory(stated, measured=bool(geometry))
         sds = {n: priors[n].sd if geometry else b.sd for n, b in self._legs.priors.items()}
         crosstalk = dict.fromkeys(CROSSTALK.values(), (0.0, _CROSSTALK)) if alone else {}

@@ -194,7 +194,7 @@ def guarded(
     `Child.call`. An InputError is the function's own; all else is a ComputationError.
     """
     with _keeping():
-        return _kept().call(function, arguments, seconds=seconds, memory=memory).result()
+        return _guarded_child().call(function, arguments, seconds=seconds, memory=memory).result()
 
 
 #: All of this program.
@@ -208,14 +208,14 @@ def _keeping() -> threading.Lock:
 
 
 @cache
-def _kept() -> Child:
+def _guarded_child() -> Child:
     """The child of `guarded`."""
     return Child()
 
 
 def _copied() -> None:
     """In a copy of this program: locks that other threads held are nobody's now, nor their work."""
-    for made in (_keeping, _kept):
+    for made in (_keeping, _guarded_child):
         made.cache_clear()
     for child in tuple(_children):
         child._lock = threading.Lock()

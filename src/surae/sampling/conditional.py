@@ -149,14 +149,14 @@ class ConditionalPosterior:
     def at(self, value: float, near: ConditionalMinimum) -> ConditionalMinimum | None:
         """The mode with the parameter at `value`, from a point of the posterior nearby."""
         at = self._posterior.start({self._name: value})[self._j]
-        return self._found(lambda: self._posterior.held(self._j, at, near.local, **_SHORT))
+        return self._searched(lambda: self._posterior.held(self._j, at, near.local, **_SHORT))
 
     def free(self, near: ConditionalMinimum) -> ConditionalMinimum | None:
         """The mode over all parameters, from a point nearby."""
         at = near.local
-        return self._found(lambda: self._posterior.descend(at.z, at.c, at.w, **_SHORT))
+        return self._searched(lambda: self._posterior.descend(at.z, at.c, at.w, **_SHORT))
 
-    def _found(self, find: Callable[[], Point]) -> ConditionalMinimum | None:
+    def _searched(self, find: Callable[[], Point]) -> ConditionalMinimum | None:
         if self._stopped():
             raise KeyboardInterrupt
         observed = self._posterior.observed

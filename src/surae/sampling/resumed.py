@@ -29,7 +29,7 @@ def resumed(result: FitResult) -> Reached:
         fast = None if family.is_perfect else solution.sizes.get("drive")
         post = post.having(latents=latents, fast=fast)
         z = post.start(result.values)
-        for j, name in enumerate(post.own):
+        for j, name in enumerate(post.per_recording):
             if name in solution.each:  # older fits share the EMG at rest
                 post.each(z)[:, j] = solution.each[name]
         return post, post.descend(z, tolerance=1e-3)

@@ -102,18 +102,18 @@ def thinned(inputs: ModelInputs, factor: int) -> ModelInputs:
     if factor % 2 == 0:
         around[[0, -1]] = 0.5
 
-    def kept(signal: FloatArray) -> FloatArray:
+    def thinned(signal: FloatArray) -> FloatArray:
         return read_only(signal[factor // 2 : used : factor])
 
     names = ("time", "angle", "velocity", "acceleration", "torque", "weight")
     given = {name: getattr(inputs, name) for name in names}
-    thin: dict[str, Any] = {name: kept(each) for name, each in given.items() if each is not None}
+    thin: dict[str, Any] = {name: thinned(each) for name, each in given.items() if each is not None}
     return replace(
         inputs,
         **thin,
         rate_hz=inputs.rate_hz / factor,
-        emg=kept(correlate1d(inputs.emg, around / factor, axis=0, mode="nearest")),
-        second=tuple(map(kept, inputs.second)),
+        emg=thinned(correlate1d(inputs.emg, around / factor, axis=0, mode="nearest")),
+        second=tuple(map(thinned, inputs.second)),
         steps=(*inputs.steps, f"Thinned to every {factor}th sample."),
     )
 

@@ -54,8 +54,8 @@ def possible(explanations: Iterable[Explanation]) -> list[Explanation]:
     ranked = sorted(explanations, key=lambda each: -each.r2)
     if not ranked or ranked[0].fit is None or ranked[0].r2 < EXPLAINS:
         return []
-    least = ranked[0].fit.left
-    good = [e for e in ranked if e.fit is not None and e.fit.left < CLEARLY * least]
+    least = ranked[0].fit.unexplained
+    good = [e for e in ranked if e.fit is not None and e.fit.unexplained < CLEARLY * least]
     # Two muscles exchanged look like all signs turned, but for the muscles that are then idle.
     busy = [each for each in good if each.fit is not None and each.fit.idle < IDLE]
     return busy or good

@@ -224,10 +224,13 @@ def _out_of_step(recording: Recording, signals: Signals, fit: QuickFit) -> Itera
         lag = edge
         best = beside
         step = way * _SHIFT
-        while abs(lag) < _FARTHEST and (next_ := shifted(lag + step, best)).left < best.left:
+        while (
+            abs(lag) < _FARTHEST
+            and (next_ := shifted(lag + step, best)).unexplained < best.unexplained
+        ):
             lag = lag + step
             best = next_
-        if best.left * _OUT_OF_STEP < beside.left and best.r2 - fit.r2 >= _VISIBLE:
+        if best.unexplained * _OUT_OF_STEP < beside.unexplained and best.r2 - fit.r2 >= _VISIBLE:
             yield make_finding(
                 f"emg-torque-lag/{'follows' if way < 0.0 else 'fitted'}",
                 None,
@@ -245,7 +248,7 @@ def _zero(recording: Recording, signals: Signals, fit: QuickFit) -> Iterator[Fin
     if recording.fixed.get("m") == 0.0 or abs(fit.zero) < _ZERO or fit.r2 < _GOOD_ENOUGH:
         return
     without = quick_fit(recording, signals, zero=False, near=fit)
-    if without is not None and without.left >= _ZERO_GAIN * fit.left:
+    if without is not None and without.unexplained >= _ZERO_GAIN * fit.unexplained:
         yield make_finding(
             "torque-offset/fitted",
             "torque",
@@ -263,4 +266,4 @@ def _explains(lag: Finding, recording: Recording, signals: Signals, first: Quick
         return True
     muscles = MUSCLES if lag.channel is None else (lag.channel[4:],)
     in_time = quick_fit(recording, signals, later=dict.fromkeys(muscles, lag.value))
-    return in_time is not None and in_time.left <= (1.0 - _SHIFT_GAIN) * first.left
+    return in_time is not None and in_time.unexplained <= (1.0 - _SHIFT_GAIN) * first.unexplained

@@ -51,7 +51,7 @@ class QuickFit:
     at: tuple[float, ...] = ()  #: The free parameters.
 
     @property
-    def left(self) -> float:
+    def unexplained(self) -> float:
         """Part of the torque's variance that is not explained."""
         return max(1.0 - self.r2, 1e-4)
 

@@ -94,7 +94,9 @@ def summed(
             beliefs=FrozenDict(post.beliefs),
             noise=post.noise,
             films=tuple(film.noise for each in post.latents for film in each.films),
-            each=FrozenDict(zip(post.own, map(tuple, post.each(point.z).T.tolist()), strict=True)),
+            each=FrozenDict(
+                zip(post.per_recording, map(tuple, post.each(point.z).T.tolist()), strict=True)
+            ),
             spread=FrozenDict(spread),
             sizes=FrozenDict(post.sizes | ({} if post.fast is None else {"drive": post.fast})),
             population=FrozenDict({n: post.priors[n] for n in post.names if not group_of(n)}),

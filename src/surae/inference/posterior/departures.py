@@ -23,7 +23,7 @@ from surae.inference.posterior.empirical_bayes import (
 )
 from surae.inference.posterior.family import FIRST_HZ, RATE_HZ, Family
 from surae.inference.posterior.log_posterior import LogPosterior, Point
-from surae.inference.posterior.look_back import LESS, followed, kept
+from surae.inference.posterior.look_back import LESS, followed, unless_worse
 from surae.inference.posterior.valleys import ROUNDED
 from surae.model.laboratory import DEPARTURES, LAWS, RARE, group_of
 
@@ -74,7 +74,7 @@ def choose(family: Family, values: Mapping[str, float], noise: Sequence[NoiseMod
     best = own.descend(own.like(full, mode), *point.latents_at(mode), tolerance=0.1)
     if own.fast is None and not family.is_perfect:
         found = learnt(*_with_noise_of_drives(own, best), 1)
-        own, best = kept(found, (own, best), family.given(RATE_HZ))
+        own, best = unless_worse(found, (own, best), family.given(RATE_HZ))
     own, best, moved = rested(own, best)
     return Chosen(own, best, sets, full.names, moved)
 
@@ -112,7 +112,7 @@ def _with_all(
     if not (family.is_still or family.original.has_unheard) and _errs(full, point):
         inputs = family.given(RATE_HZ)
         if followed((full, point), inputs) > _FOLLOWED:
-            full, point = kept(_with_errors_of_drives(full, point), (full, point), inputs)
+            full, point = unless_worse(_with_errors_of_drives(full, point), (full, point), inputs)
             full, point = learnt(full, point, tolerance=_WEIGHED)
     return full, point, possible
 

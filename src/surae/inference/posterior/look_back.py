@@ -47,7 +47,7 @@ def followed(reached: Reached, inputs: Sequence[ModelInputs]) -> float:
     return explained(inputs, left)
 
 
-def kept(found: Reached, before: Reached, inputs: Sequence[ModelInputs]) -> Reached:
+def unless_worse(found: Reached, before: Reached, inputs: Sequence[ModelInputs]) -> Reached:
     """What was found, unless parameters alone follow less of these recordings than before."""
     return before if followed(found, inputs) < followed(before, inputs) - LESS else found
 

@@ -241,13 +241,13 @@ def of_least_squares(
         rows = robust.rows
         dof[[free.index(name) for name in robust.names]] = robust.dof
     elif root.matrix.size:
-        rows[:, list(root.kept)] = math.sqrt(estimated.sigma2) * root.matrix.T
+        rows[:, list(root.positions)] = math.sqrt(estimated.sigma2) * root.matrix.T
     return combined(
         result,
         {"noise": rows},
         shift=None if against is None else against.shift,
         dof=dof,
-        lost=tuple(free[root.kept[j]] for group in root.groups for j in group),
+        lost=tuple(free[root.positions[j]] for group in root.groups for j in group),
     )
 
 

@@ -69,13 +69,13 @@ def covariance(
     if not np.isfinite(sse):
         return Covariance((), np.empty((0, 0)), np.empty((0, 0)), (), sigma2, dof)
     root = inverse_root(R, names, sigma2, bounded)
-    known = [j for j in root.known if names[root.kept[j]] not in bounded]
+    known = [j for j in root.known if names[root.positions[j]] not in bounded]
     rows = root.matrix[known]
     inverse = rows @ rows.T
     norms = np.sqrt(np.diag(inverse))
     correlation = np.asarray(inverse / np.outer(norms, norms))
-    estimated = tuple(names[root.kept[j]] for j in known)
-    directions = tuple(tuple(names[root.kept[j]] for j in group) for group in root.groups)
+    estimated = tuple(names[root.positions[j]] for j in known)
+    directions = tuple(tuple(names[root.positions[j]] for j in group) for group in root.groups)
     return Covariance(estimated, np.asarray(sigma2 * inverse), correlation, directions, sigma2, dof)
 
 
@@ -83,7 +83,7 @@ def covariance(
 class InverseRoot:
     """A root C of the inverse information, (JᵀJ)⁻¹ = C·Cᵀ; the columns of J·C are orthonormal."""
 
-    kept: tuple[int, ...]  #: Positions of its rows' parameters.
+    positions: tuple[int, ...]  #: Positions of its rows' parameters.
     #: C, one row for each of them; r of the k directions are not singular, shape (k, r).
     matrix: FloatArray
     groups: tuple[tuple[int, ...], ...]  #: Rows that a singular direction ties together.

@@ -79,7 +79,10 @@ def robust_covariance(
         parts = zip(problem.inputs, np.split(rows, ends, axis=1), losses, strict=True)
         seen = [
             _Seen(
-                -own[-1], inputs.counts, root.matrix.T @ own[list(root.kept)], _gain(inputs, loss)
+                -own[-1],
+                inputs.counts,
+                root.matrix.T @ own[list(root.positions)],
+                _gain(inputs, loss),
             )
             for inputs, own, loss in parts
         ]
@@ -206,8 +209,8 @@ def _covariance(
     # a root of what is between them, which is of the size of the noise
     between = root_of(inner)
     rows = np.zeros((len(between), len(free)))
-    rows[:, list(root.kept)] = between @ C.T
-    known = [j for j in root.known if free[root.kept[j]] in estimated.names]
+    rows[:, list(root.positions)] = between @ C.T
+    known = [j for j in root.known if free[root.positions[j]] in estimated.names]
     C = C[known]
     matrix = C @ inner @ C.T
     matrix = (matrix + matrix.T) / 2
