@@ -16,7 +16,7 @@ import numpy as np
 from surae._version import __version__
 from surae.api.fitted import Fit
 from surae.api.fitting import fit_inputs, load
-from surae.api.recordings import checks_for, explained, in_set
+from surae.api.recordings import checks_for, electrodes_in, explained, in_set, left_out
 from surae.api.session_result import SessionResult, write_index, write_summary
 from surae.base.errors import ComputationError, InputError
 from surae.base.files import PathLike
@@ -29,6 +29,7 @@ from surae.inference.residual import centred_r2, counted, vaf
 from surae.inference.validation import predict_others
 from surae.processes import Child, End, Plain
 from surae.quality import Finding, Quality
+from surae.recording.described import EMPTY
 from surae.settings import FitSettings
 from surae.signals import ModelInputs
 from surae.trials import Crossed, Trial, TrialSet, prepared_for
@@ -113,6 +114,8 @@ class _Run:
     def every_trial(self, beside: "_Beside | None") -> None:
         """Prepare and check each trial, and fit those that can be, the joint fit begun `beside`."""
         reference = self.session.emg_reference(self.settings)
+        legs = (t.recording for t in self.session.read if t.effort != EMPTY)
+        electrodes = electrodes_in(legs, left_out(self.settings))
         for trial in self.session.trials:
             if trial.problem or trial.recording is None:
                 self.failed[trial.name] = trial.problem
@@ -123,7 +126,7 @@ class _Run:
             except InputError as error:
                 self.failed[trial.name] = str(explained(error, [trial.recording]))
                 continue
-            (self.quality[trial.name],) = checks_for(self.settings, [trial.recording])
+            (self.quality[trial.name],) = checks_for(self.settings, [trial.recording], electrodes)
         held = [t.name for t in self.session.trials if t.effort == "isometric" and t.use == "fit"]
         held = [name for name in held if name in self.quality]
         together = in_set([self.quality[name] for name in held])

@@ -20,6 +20,7 @@ from surae.inference.diagnosis.explanations import (
 from surae.inference.diagnosis.quick import QuickFit, percent, quick_fit
 from surae.inference.diagnosis.units import wrong_units
 from surae.quality import Commanded, Finding, Quality, check_recording
+from surae.quality.electrodes import Electrodes
 from surae.quality.finding import make_finding
 from surae.quality.numeric import quantiles, span_of
 from surae.quality.position import perturbing
@@ -68,14 +69,18 @@ def examined(
     recording: Recording,
     commanded: Commanded | None = None,
     left_out: Iterable[Sequence[float]] = (),
+    electrodes: Electrodes | None = None,
 ) -> Quality:
     """All findings of a recording: those of the checks, and what is wrong with signs and units.
 
     What is wrong is put right before the checks look, so that what follows from it is no finding.
     Only what a fit reads is judged. `commanded` is the motion that the device was to follow,
-    `left_out` are windows (start and end [s]) that do not count.
+    `left_out` are windows (start and end [s]) that do not count. `electrodes` are what all trials
+    of the leg show of theirs; without them the trial is judged against itself.
     """
-    findings, right = wrong_units(recording)
+    findings, right = wrong_units(recording, electrodes)
+    if electrodes is not None:
+        electrodes = electrodes.in_units(recording, right)
     if "angle" in right.channels:
         right, beside = used(right, left_out)
         findings += beside
@@ -83,9 +88,9 @@ def examined(
             findings.append(angle[0])
             right = angle[1]
     if unfit(right) is not None:
-        return _together(check_recording(right, commanded), findings)
+        return _together(check_recording(right, commanded, electrodes=electrodes), findings)
     signals = signals_of(right)
-    quality = check_recording(right, commanded, signals)
+    quality = check_recording(right, commanded, signals, electrodes=electrodes)
     low, high = quantiles(signals.angle, 0.005, 0.995)
     if high - low < STILL:
         span = span_of(signals.time)
@@ -99,14 +104,14 @@ def examined(
     wrong, with_signs = _signs(right, signals, fit)
     if wrong:
         if with_signs is not right:
-            quality = check_recording(with_signs, commanded)
+            quality = check_recording(with_signs, commanded, electrodes=electrodes)
         return _together(quality, [*findings, *wrong], but=("torque-sign",))
     if ("emg-flat", "error") not in {(f.code, f.severity) for f in quality.findings}:
         findings += _slow(signals, fit)  # a group without one of its muscles seems to change
-    electrodes = [f for f in quality.findings if f.code == "electrode-lag"]
-    false = [lag for lag in electrodes if not _explains(lag, right, signals, fit)]
+    late = [f for f in quality.findings if f.code == "electrode-lag"]
+    false = [lag for lag in late if not _explains(lag, right, signals, fit)]
     false += [f for f in quality.findings if f.code == "emg-torque-lag"]
-    if not electrodes and fit.r2 >= _GOOD_ENOUGH:
+    if not late and fit.r2 >= _GOOD_ENOUGH:
         findings += _out_of_step(right, signals, fit)
     if fit.r2 >= EXPLAINS:  # and no other signs explain clearly more
         false += [f for f in quality.findings if f.code == "torque-sign"]
