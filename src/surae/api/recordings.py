@@ -28,10 +28,11 @@ from surae.quality.registry import ordered, unfit
 from surae.quality.trial import signals_of
 from surae.recording import Recording, csv_columns, write_csv
 from surae.recording.dataframe import DataFrame
+from surae.recording.described import EMPTY
 from surae.settings import FitSettings
 from surae.signals import ModelInputs, Weighting, normalised, prepare
 from surae.studies import Imperfections, virtual_recording, virtual_subject
-from surae.trials import tell_together
+from surae.trials import TrialSet, tell_together
 
 
 def as_inputs(recording: AnyRecording, prepared: bool) -> ModelInputs:
@@ -260,6 +261,12 @@ def electrodes_in(
             signals = signals_of(reads)
             levels.append(electrodes_of(reads, signals.fast, signals.rate_hz))
     return together(levels)
+
+
+def electrodes_of_leg(leg: TrialSet, settings: FitSettings) -> Electrodes | None:
+    """What all trials of a leg show of its electrodes, of those that were read and have a leg."""
+    recordings = (trial.recording for trial in leg.read if trial.effort != EMPTY)
+    return electrodes_in(recordings, left_out(settings))
 
 
 def checks_for(

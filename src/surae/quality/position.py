@@ -289,7 +289,8 @@ def _departure(trial: CheckedTrial) -> Iterator[Finding]:
         "angle",
         span_of(time, where),
         size,
-        severity="warning" if size < 0.1 * span else "error",
+        # a profile that was only recognised may be another one
+        severity="error" if commanded.given and size >= 0.1 * span else "warning",
         profile=commanded.name,
         size=size,
         percent=100 * size / span,

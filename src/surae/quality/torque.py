@@ -83,7 +83,9 @@ def _stopped(side: FloatArray, most: float, *, stated: bool) -> IndexArray | Non
     kept = held_for(side)
     first, length = equal_runs(side)
     level = side[first] >= top * (1.0 - 1e-9)
-    enough = length[level].max(initial=0) >= PLATEAU_RUN * kept and length[level].sum() >= PLATEAU * kept
+    enough = (
+        length[level].max(initial=0) >= PLATEAU_RUN * kept and length[level].sum() >= PLATEAU * kept
+    )
     # Equal samples say nothing where a recorder's digits, or rest, make them equal.
     rests = length[level].sum() > _RESTS * len(side)
     if top > 1.0 and enough and not digit_of(side) and not rests:
