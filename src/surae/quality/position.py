@@ -59,7 +59,7 @@ RINGS_S = 0.33
 #: A jump of the angle [rad] that is no encoder's step...
 JUMP = 0.012
 #: ...and is so many times the movement of the samples around it, and stays: the middle of samples
-#: of so long [s] after it is as far away by half of it.
+#: of so long [s], five at least, after it is as far away by half of it.
 _ALONE = 8.0
 _STAYS_S = 0.04
 #: Values that are kept for longer [s] are no slower clock's, but a device's that stands still.
@@ -196,7 +196,7 @@ def steps(trial: CheckedTrial) -> Iterator[Finding]:
     jumps = jumps[gaps[jumps] < 1.5 * float(np.median(gaps))]
     digit = digit_of(angle)
     fine = jumps[size[jumps] > 1.5 * digit]
-    width = max(round(_STAYS_S * channel.rate_hz / kept), 2)
+    width = max(round(_STAYS_S * channel.rate_hz / kept), 5)
     real = [jump for jump in fine.tolist() if _moved(angle, jump, width) > 0.5 * size[jump]]
 
     def found(which: str, at: IndexArray) -> Finding:
@@ -225,10 +225,17 @@ def steps(trial: CheckedTrial) -> Iterator[Finding]:
 
 
 def _moved(angle: FloatArray, jump: int, width: int) -> float:
-    """How far the angle lies after a jump from where it was before, by the middle of samples."""
-    before = angle[max(jump - width, 0) : jump + 1]
+    """How far the angle lies after a jump from where it was before, but for its own movement.
+
+    By the middle of samples on both sides, and of their steps: a spike changes neither.
+    """
+    before = angle[max(jump - width + 1, 0) : jump + 1]
     after = angle[jump + 2 : jump + 2 + width]
-    return abs(float(np.median(after) - np.median(before))) if len(after) else 0.0
+    if min(len(before), len(after)) < 2:
+        return 0.0
+    speed = float(np.median(np.concatenate([np.diff(before), np.diff(after)])))
+    apart = 0.5 * (len(before) + len(after)) + 1.0
+    return abs(float(np.median(after) - np.median(before)) - speed * apart)
 
 
 def overshoot(trial: CheckedTrial) -> Iterator[Finding]:
