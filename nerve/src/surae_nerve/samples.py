@@ -48,8 +48,10 @@ LAST_PART = (0.003, 0.01, 0.03)
 #: So many times the samples of the next value below are at a limit; a smooth peak that is recorded
 #: in coarse digits has 2.4 times as many at its top.
 PEAK = 3.0
-#: Samples before a limit in which the foot moves into it.
+#: Samples around the begin of a limit in which the foot moves into it: else it rests there. Those
+#: at a recording's ends have no speed.
 CAME = 20
+_EDGE = 5
 #: Why samples are left out, and what to do about it.
 MISSING = N_("without samples")
 LIMITED = N_("in which the torque’s channel is at its limit")
@@ -337,7 +339,7 @@ def limited(angle: FloatArray, torque: FloatArray) -> np.ndarray:
             continue
         at = own >= top - max(near)
         for run in runs(at):
-            came = moving[max(run.start - CAME, 0) : run.stop].any()  # else it rests there
+            came = moving[max(run.start - CAME, _EDGE) : run.start + CAME].any()
             if run.stop - run.start >= 4 and came:
                 found[run] = True
     return found

@@ -191,7 +191,8 @@ def check_together(
     every = []
     angles = []
     every_recording = list(recordings)
-    electrodes = electrodes_in(map(_looked_at, every_recording), exclude)
+    alone = len(every_recording) == 1  # judged against itself
+    electrodes = None if alone else electrodes_in(map(_looked_at, every_recording), exclude)
     for quality, angle in _checked(
         every_recording, commanded, prepared, joint, exclude, electrodes
     ):
