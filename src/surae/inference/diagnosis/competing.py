@@ -78,6 +78,11 @@ class Rivals:
     slow: tuple[Explanation, ...]  #: A drift of the torque and of electrodes, to first order.
 
     @property
+    def turned(self) -> list[Explanation]:
+        """Those of which just one sign is turned."""
+        return [each for each in self.signs if len(each.right.sign) == 1]
+
+    @property
     def others(self) -> list[Explanation]:
         """All but the recording as it is."""
         return [*self.signs, *([] if self.lag is None else [self.lag.how]), *self.slow]

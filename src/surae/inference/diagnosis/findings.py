@@ -7,7 +7,7 @@ import numpy as np
 
 from surae.inference.diagnosis.angle import wrong_angle
 from surae.inference.diagnosis.competing import GOOD_ENOUGH, best_of, rivals, signs
-from surae.inference.diagnosis.explanations import EXPLAINS
+from surae.inference.diagnosis.explanations import EVIDENCE, EXPLAINS, evidence
 from surae.inference.diagnosis.quick import QuickFit, percent, quick_fit
 from surae.inference.diagnosis.units import wrong_units
 from surae.quality import Commanded, Finding, Quality, Skipped, check_recording
@@ -89,8 +89,9 @@ def examined(
     false += [f for f in quality.findings if f.code == "emg-torque-lag"]
     against = [f for f in quality.findings if f.code == "torque-sign"]
     false += against
-    if fit.r2 < EXPLAINS:  # no other signs explain clearly more: it is a doubt, no claim
-        findings += [replace(f, severity="warning") for f in against]
+    if fit.r2 < EXPLAINS:  # a claim where a turned sign is better for certain, else a doubt
+        certain = any(evidence(each, tries.as_it_is) >= EVIDENCE for each in tries.turned)
+        findings += [f if certain else replace(f, severity="warning") for f in against]
     constant = next((f for f in quality.findings if f.code == "torque-offset"), None)
     if constant is None:
         findings += _zero(right, signals, fit)
