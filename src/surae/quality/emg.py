@@ -136,7 +136,9 @@ def flat(trial: CheckedTrial) -> Iterator[Finding]:
         dead = (silent or steady) and _is_unheard(trial, muscle)
         # Noise of one strength that is as weak as a relaxed muscle's may be one.
         loud = silent or (steady and tops[muscle] > RELAXED * known.strongest)
-        if dead or (loud and effort and not known.works(muscle)):
+        doubtful = effort and loud and not known.works(muscle)
+        doubtful = doubtful or ((silent or steady) and _rests_beside(trial, muscle))
+        if dead or doubtful:
             share = 100 * tops[muscle] / known.strongest
             which = "silent" if silent else "noise"
             yield _flat(trial, channel, which, lost=dead, percent=share)
@@ -145,18 +147,22 @@ def flat(trial: CheckedTrial) -> Iterator[Finding]:
 
 
 def _is_unheard(trial: CheckedTrial, muscle: str) -> bool:
-    """Whether a muscle works of which its electrode shows nothing."""
-    known = trial.electrodes
-    if muscle != "ta" and known.works(muscle):
-        heads = [m for m in trial.triceps if m != muscle and known.works(m)]
-        at_work = [trial.slow[m] > _GO_ON * known.levels[m].top for m in heads]
-        if at_work and np.any(at_work, axis=0).sum() > _GO_ON_S * trial.rate_hz:
-            return True
+    """Whether the torque shows a muscle at work of which its electrode shows nothing."""
     if trial.model is None:
         return False
     left = trial.model.unexplained * (-1.0 if muscle == "ta" else 1.0)
     usual, strong = UNHEARD
     return float(np.std(left)) > usual and quantile(left, 0.98) > strong
+
+
+def _rests_beside(trial: CheckedTrial, muscle: str) -> bool:
+    """Whether other heads of the triceps work for long: one of them may rest, or be unheard."""
+    known = trial.electrodes
+    heads = [m for m in trial.triceps if m != muscle and known.works(m)]
+    if muscle == "ta" or not heads or not known.works(muscle):
+        return False
+    at_work = [trial.slow[m] > _GO_ON * known.levels[m].top for m in heads]
+    return float(np.any(at_work, axis=0).sum()) > _GO_ON_S * trial.rate_hz
 
 
 def _dropouts(trial: CheckedTrial, channel: Channel) -> Iterator[Finding]:
