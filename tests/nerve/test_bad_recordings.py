@@ -11,7 +11,7 @@ from perturbed_ankle import ramps
 from surae.base.errors import InputError
 from surae.nerve.piece import Piece
 from surae.nerve.response import falls_short
-from surae.nerve.samples import usable
+from surae.nerve.samples import limited, usable
 from surae.recording import Recording
 
 
@@ -110,6 +110,21 @@ def test_a_torque_that_has_room_is_not_said_to_be_limited(ankle, seed) -> None:
     moved = ankle(seconds=40.0, noise=0.02 * seed + 0.005, switch=0.15 + 0.1 * seed).moved(seed)
     samples = usable("x", moved["time"], moved["angle"], moved["torque"])
     assert samples.notes == ()
+
+
+@pytest.mark.parametrize("what", ["one sample", "digits", "rest"])
+def test_a_largest_value_of_one_sample_of_digits_or_of_rest_is_no_limit(ankle, what) -> None:
+    moved = ankle(seconds=40.0, noise=0.02, switch=0.2).moved(1)
+    angle, torque = np.array(moved["angle"]), np.array(moved["torque"])
+    if what == "one sample":
+        torque[4000] = torque.max() + 0.5 * np.ptp(torque)
+    elif what == "digits":
+        digit = np.ptp(torque) / 30.0
+        torque = digit * np.round(torque / digit)
+    else:
+        still = np.arange(len(torque)) < 1500
+        torque[still], angle[still] = torque.max(), angle[1500]
+    assert not limited(angle, torque).any()
 
 
 @pytest.mark.parametrize("seconds", [1.0, 2.0, 6.0])

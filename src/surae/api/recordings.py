@@ -23,13 +23,16 @@ from surae.quality import (
     recording_or_findings,
     used,
 )
-from surae.quality.registry import ordered
+from surae.quality.electrodes import Electrodes, electrodes_of, together
+from surae.quality.registry import ordered, unfit
+from surae.quality.trial import signals_of
 from surae.recording import Recording, csv_columns, write_csv
 from surae.recording.dataframe import DataFrame
+from surae.recording.described import EMPTY
 from surae.settings import FitSettings
 from surae.signals import ModelInputs, Weighting, normalised, prepare
 from surae.studies import Imperfections, virtual_recording, virtual_subject
-from surae.trials import tell_together
+from surae.trials import TrialSet, tell_together
 
 
 def as_inputs(recording: AnyRecording, prepared: bool) -> ModelInputs:
@@ -171,7 +174,7 @@ def check_together(
     Parameters
     ----------
     recordings : iterable of Recording, ModelInputs or path
-        Read one after the other, as they come.
+        Files are read twice, one after the other: each is judged by what all show of an electrode.
     commanded, prepared, joint, exclude
         Of all of them, as of `check`.
 
@@ -187,7 +190,12 @@ def check_together(
     """
     every = []
     angles = []
-    for quality, angle in _checked(recordings, commanded, prepared, joint, exclude):
+    every_recording = list(recordings)
+    alone = len(every_recording) == 1  # judged against itself
+    electrodes = None if alone else electrodes_in(map(_looked_at, every_recording), exclude)
+    for quality, angle in _checked(
+        every_recording, commanded, prepared, joint, exclude, electrodes
+    ):
         every.append(quality)
         angles += [angle] if "angle-still" in {f.code for f in quality.findings} else []
     whole = len(angles) == len(every) and tell_together(angles)
@@ -200,8 +208,9 @@ def _checked(
     prepared: bool,
     joint: Joint | PathLike | None,
     exclude: Sequence[Sequence[float]],
+    electrodes: Electrodes | None = None,
 ) -> Iterator[tuple[Quality, float]]:
-    """Findings of each, and its median angle [rad]."""
+    """Findings of each, and its median angle [rad]; `electrodes` are what all show of theirs."""
     given = commanded if isinstance(commanded, Commanded | None) else commanded_file(commanded)
     own = joint if isinstance(joint, Joint | None) else read_joint(joint)
     for recording in recordings:
@@ -220,9 +229,10 @@ def _checked(
             if "angle" in measured.channels:
                 angle = float(np.median(measured.channels["angle"].values))
             if own in (None, ANKLE):
-                quality = examined(measured, protocol, exclude)
+                quality = examined(measured, protocol, exclude, electrodes)
             else:
-                quality = check_recording(used(measured, exclude)[0], protocol, joint=own)
+                reads = used(measured, exclude)[0]
+                quality = check_recording(reads, protocol, joint=own, electrodes=electrodes)
         if prepared:
             of_raw = {("emg-kind", "warning"), ("emg-aliased", "error")}
             kept = (f for f in quality.findings if (f.code, f.severity) not in of_raw)
@@ -230,11 +240,52 @@ def _checked(
         yield quality, angle
 
 
-def checks_for(settings: FitSettings, recordings: Sequence[AnyRecording]) -> list[Quality]:
-    """Findings of recordings that are fitted together with these settings."""
+def _looked_at(recording: AnyRecording) -> Recording | None:
+    """A recording as its channels are looked at; None where it cannot be read as one."""
+    if isinstance(recording, Recording | ModelInputs | DataFrame):
+        read_ = read_in(recording)
+        return recording_of(read_) if isinstance(read_, ModelInputs) else read_
+    measured = recording_or_findings(recording)[0]
+    return measured if isinstance(measured, Recording) else None
+
+
+def electrodes_in(
+    recordings: Iterable[Recording | None], exclude: Sequence[Sequence[float]] = ()
+) -> Electrodes | None:
+    """What recordings of one leg show of its electrodes; None where nothing can be compared."""
+    levels = []
+    for recording in recordings:
+        if recording is None or "angle" not in recording.channels:
+            continue
+        reads = used(recording, exclude)[0]
+        if unfit(reads) is None:
+            signals = signals_of(reads)
+            levels.append(electrodes_of(reads, signals.fast, signals.rate_hz))
+    return together(levels)
+
+
+def electrodes_of_leg(leg: TrialSet, settings: FitSettings) -> Electrodes | None:
+    """What all trials of a leg show of its electrodes, of those that were read and have a leg."""
+    recordings = (trial.recording for trial in leg.read if trial.effort != EMPTY)
+    return electrodes_in(recordings, left_out(settings))
+
+
+def checks_for(
+    settings: FitSettings,
+    recordings: Sequence[AnyRecording],
+    electrodes: Electrodes | None = None,
+) -> list[Quality]:
+    """Findings of recordings that are fitted together with these settings.
+
+    `electrodes` are what all trials of the leg show of theirs, where there are more than these.
+    """
     anatomy = settings.options.anatomy
     exclude = left_out(settings)
-    return check_together(recordings, prepared=settings.prepared, joint=anatomy, exclude=exclude)
+    if electrodes is None:
+        prepared = settings.prepared
+        return check_together(recordings, prepared=prepared, joint=anatomy, exclude=exclude)
+    known = _checked(recordings, None, settings.prepared, anatomy, exclude, electrodes)
+    return [quality for quality, _ in known]
 
 
 def left_out(settings: FitSettings) -> list[tuple[float, float]]:

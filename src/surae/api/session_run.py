@@ -16,7 +16,7 @@ import numpy as np
 from surae._version import __version__
 from surae.api.fitted import Fit
 from surae.api.fitting import fit_inputs, load
-from surae.api.recordings import checks_for, explained, in_set
+from surae.api.recordings import checks_for, electrodes_of_leg, explained, in_set
 from surae.api.session_result import SessionResult, write_index, write_summary
 from surae.base.errors import ComputationError, InputError
 from surae.base.files import PathLike
@@ -32,7 +32,7 @@ from surae.processes import Child, End, Plain
 from surae.quality import Finding, Quality
 from surae.settings import FitSettings
 from surae.signals import ModelInputs
-from surae.trials import Crossed, Trial, TrialSet, prepared_for
+from surae.trials import Crossed, Trial, TrialSet, in_order_of_content, prepared_for
 from surae.trials.folder import JOINT, TOO_FEW, claimed, fit_name
 from surae.trials.nerve import nerve_of
 
@@ -114,6 +114,7 @@ class _Run:
     def every_trial(self, beside: "_Beside | None") -> None:
         """Prepare and check each trial, and fit those that can be, the joint fit begun `beside`."""
         reference = self.session.emg_reference(self.settings)
+        electrodes = electrodes_of_leg(self.session, self.settings)
         for trial in self.session.trials:
             if trial.problem or trial.recording is None:
                 self.failed[trial.name] = trial.problem
@@ -124,7 +125,7 @@ class _Run:
             except InputError as error:
                 self.failed[trial.name] = str(explained(error, [trial.recording]))
                 continue
-            (self.quality[trial.name],) = checks_for(self.settings, [trial.recording])
+            (self.quality[trial.name],) = checks_for(self.settings, [trial.recording], electrodes)
         self._weigh_holds()
         for name in self.session.fitted:
             if name in self.inputs:
@@ -239,8 +240,9 @@ class _Run:
         return next((f for f in errors if f.code not in known), None)
 
     def _of(self, names: Sequence[str]) -> tuple[tuple[ModelInputs, ...], tuple[Quality, ...]]:
-        parts = tuple(part for name in names for part in self.inputs[name])
-        return parts, tuple(self.quality[name] for name in names)
+        ordered = in_order_of_content(names, self.inputs)
+        parts = tuple(part for name in ordered for part in self.inputs[name])
+        return parts, tuple(self.quality[name] for name in ordered)
 
     def _saved(self, file: str, names: Sequence[str]) -> Fit | None:
         """The fit in a file, where it is of these data and this question and by this surae."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 
 from surae.api.fitted import Fit
 from surae.api.fitting import asks_as_fit, fit_inputs
-from surae.api.recordings import checks_for
+from surae.api.recordings import checks_for, electrodes_of_leg
 from surae.api.session_result import SessionResult
 from surae.api.session_run import StepProgress, run
 from surae.base.errors import InputError
@@ -24,7 +24,15 @@ from surae.recording.mapping import Description
 from surae.recording.reading import is_mapping, open_mapping, read
 from surae.recording.source import open_source
 from surae.settings import FitSettings
-from surae.trials import Reading, TrialSet, prepared_for, reading_of, sorted_trials, trial_files
+from surae.trials import (
+    Reading,
+    TrialSet,
+    in_order_of_content,
+    prepared_for,
+    reading_of,
+    sorted_trials,
+    trial_files,
+)
 
 if TYPE_CHECKING:
     from surae.api.keywords import FitKeywords
@@ -71,14 +79,12 @@ class Session(TrialSet):
         chosen = self.fitted if trials is None else [trials] if isinstance(trials, str) else trials
         if not chosen:
             raise InputError(f"{self.name}: no trial can be fitted: none of them moves")
-        recordings = [self.to_fit(name) for name in chosen]
         reference = self.emg_reference(settings)
-        inputs = [
-            part
-            for recording in recordings
-            for part in prepared_for(settings, recording, reference)
-        ]
-        quality = tuple(checks_for(settings, recordings))
+        parts = {name: prepared_for(settings, self.to_fit(name), reference) for name in chosen}
+        ordered = in_order_of_content(chosen, parts)
+        recordings = [self.to_fit(name) for name in ordered]
+        inputs = [part for name in ordered for part in parts[name]]
+        quality = tuple(checks_for(settings, recordings, electrodes_of_leg(self, settings)))
         return fit_inputs(inputs, settings, quality, progress, follow)
 
     @asks_as_fit

@@ -45,6 +45,13 @@ LOST_OVER = 0.1
 #: part of its range as in the next (of 120 legs of `legs` at most 8), and how large that part is.
 PILED = 12.0
 LAST_PART = (0.003, 0.01, 0.03)
+#: So many times the samples of the next value below are at a limit; a smooth peak that is recorded
+#: in coarse digits has 2.4 times as many at its top.
+PEAK = 3.0
+#: Samples around the begin of a limit in which the foot moves into it: else it rests there. Those
+#: at a recording's ends have no speed.
+CAME = 20
+_EDGE = 5
 #: Why samples are left out, and what to do about it.
 MISSING = N_("without samples")
 LIMITED = N_("in which the torque’s channel is at its limit")
@@ -302,7 +309,9 @@ def limited(angle: FloatArray, torque: FloatArray) -> np.ndarray:
     """Samples at an end of the torque's range for four samples or more.
 
     They are at one value, or, of a channel that is noisy behind what limits it, as near to the end
-    as is much more of the torque while the foot moves than is a little farther from it.
+    as is much more of the torque while the foot moves than is a little farther from it. Nothing
+    goes beyond a limit; and where the foot rests at that value, or a recorder's digits give the
+    next one nearly as many samples, it is none.
     """
     found = np.zeros(len(torque), bool)
     speed = np.abs(np.gradient(np.convolve(filled(angle), np.ones(5) / 5, "same")))
@@ -311,17 +320,27 @@ def limited(angle: FloatArray, torque: FloatArray) -> np.ndarray:
         own = sign * torque
         top = float(np.nanmax(own))
         near = [1e-6 * max(abs(top), 1e-9)]
+        equal = own >= top - near[0]
+        below = float(np.nanmax(np.where(equal, -np.inf, own)))
+        ends = int(np.count_nonzero(equal))
+        digits = np.count_nonzero(own >= below - near[0]) - ends > ends / PEAK
         low, high = np.quantile(own[moving], (0.0005, 0.9995))
         for part in LAST_PART:
             width = part * float(high - low)
             last = np.sum(own[moving] > high - width)
             distance = (high - own[moving]) / width
             farther = np.sum((distance >= 1.5) & (distance < 2.5))
-            if last > PILED * (farther + 0.001 * moving.sum() + 5.0):
+            beyond = top - high > width
+            if last > PILED * (farther + 0.001 * moving.sum() + 5.0) and not beyond:
                 near.append(top - high + width)
+        rest = own[np.isfinite(own) & ~moving]
+        rests = rest.size and float(np.median(rest)) >= top - max(near)
+        if rests or (digits and len(near) == 1):
+            continue
         at = own >= top - max(near)
         for run in runs(at):
-            if run.stop - run.start >= 4:
+            came = moving[max(run.start - CAME, _EDGE) : run.start + CAME].any()
+            if run.stop - run.start >= 4 and came:
                 found[run] = True
     return found
 

@@ -6,24 +6,18 @@ from typing import Any
 import numpy as np
 
 from surae.base.units import FloatArray
-from surae.quality.emg import ONE_STRENGTH, REST_VOLTS
+from surae.quality.electrodes import ONE_STRENGTH, RELAXED, SLOW
 from surae.quality.finding import Finding, Severity, Unjudged, make_finding
 from surae.quality.mains import line
 from surae.quality.numeric import quantile, quantiles, runs, smooth, span_of
 from surae.quality.reflex import Reflex, reflex
-from surae.quality.trial import SLOW, CheckedTrial
+from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLES
 
-#: Activity as a part of the largest in the trial that a relaxed muscle stays below, and as a
-#: multiple of its own level of rest.
-RELAXED = 0.06
+#: Activity as a multiple of its own level of rest that a relaxed muscle stays below.
 ABOVE_REST = 4.0
 #: Seconds of activity that make a passive part active.
 ACTIVE_SECONDS = 0.25
-#: A normalised envelope at rest.
-REST_SHARE = 0.03
-#: Highest over lowest level of a muscle whose activity varies; rectified noise alone has 1.6.
-VARIES = 3.0
 #: Share of the requested bursts that may stay out.
 MISSED = 0.3
 #: Stillness after the first effort that is no pause: so long [s], and this share of what is left.
@@ -64,7 +58,7 @@ def passive_part(trial: CheckedTrial) -> Iterator[Finding]:
     stretched: Reflex | None = None
     for muscle, envelope in trial.slow.items():
         channel = trial.emg[muscle]
-        top = quantile(envelope, 0.98)
+        top = trial.electrodes.levels[muscle].top
         rest = quantile(envelope[quiet], 0.1)
         active = quiet & (envelope > max(RELAXED * top, ABOVE_REST * rest))
         if muscle != "ta" and active.any():
@@ -73,7 +67,7 @@ def passive_part(trial: CheckedTrial) -> Iterator[Finding]:
                 active &= ~stretched.explained
         # The filter that the level was averaged with is not activity.
         seconds = float(active.sum()) / trial.rate_hz
-        if seconds < ACTIVE_SECONDS or top < _rest(channel.unit):
+        if seconds < ACTIVE_SECONDS or not trial.electrodes.works(muscle):
             continue
         where = np.flatnonzero(active)
         level = float(envelope[active].max())
@@ -97,8 +91,7 @@ def active_part(trial: CheckedTrial) -> Iterator[Finding]:
         raise Unjudged("No effort was requested.")
     idle = {}
     for muscle, envelope in trial.slow.items():
-        top, rest = quantiles(envelope, 0.98, 0.05)
-        idle[muscle] = top < _rest(trial.emg[muscle].unit) or top < VARIES * rest
+        idle[muscle] = trial.electrodes.rests(muscle, quantile(envelope, 0.98))
     if all(idle.values()):
         left = 0.0 if trial.model is None else float(np.std(trial.model.unexplained))
         if left > PASSIVE_LEFT and trial.torque is not None:
@@ -134,10 +127,6 @@ def _never(
         joint=trial.joint,
         **values,
     )
-
-
-def _rest(unit: str) -> float:
-    return REST_VOLTS if unit == "V" else REST_SHARE
 
 
 def _bursts(trial: CheckedTrial) -> Iterator[Finding]:
@@ -198,7 +187,7 @@ def silenced(trial: CheckedTrial) -> Iterator[Finding]:
         rate = trial.rate_hz
         end = len(own) - int(np.argmax(works[::-1])) + round(SLOW * rate)
         top = quantile(trial.slow[muscle], 0.98)
-        if end > len(own) - _AFTER * rate or top < _rest(channel.unit):
+        if end > len(own) - _AFTER * rate or trial.electrodes.rests(muscle, top):
             continue
         low, high = quantiles(trial.slow[muscle][(end + len(own)) // 2 :], 0.05, 0.98)
         if high > ONE_STRENGTH * low or (trial.emg_kind == "raw" and high == 0.0):
@@ -237,8 +226,6 @@ def co_contraction(trial: CheckedTrial) -> Iterator[Finding]:
     ta = trial.group("ta", fast=True)
     if triceps is None or ta is None:
         raise Unjudged(f"There is no EMG of both sides of the {trial.joint.name}.")
-    if all(quantile(e, 0.98) < _rest(trial.emg[m].unit) for m, e in trial.slow.items()):
-        return  # nothing stands out at all
     width = round((0.15 if trial.emg_kind == "raw" else 0.0) * trial.rate_hz)
     levels = [smooth(envelope, width) for envelope in (triceps, ta)]
     tops = [max(quantile(level, 0.98), 1e-300) for level in levels]
@@ -252,6 +239,10 @@ def co_contraction(trial: CheckedTrial) -> Iterator[Finding]:
     hums = [np.mean([line(trial.emg[m])[0] for m in side]) for side in (trial.triceps, ("ta",))]
     if trial.emg_kind == "raw" and np.any(2 / np.pi * np.array(hums) > TOGETHER * np.array(tops)):
         raise Unjudged("Mains hum covers what the muscles do.")
+    known = trial.electrodes
+    rests = {m: known.rests(m, quantile(e, 0.98)) for m, e in trial.slow.items()}
+    if rests["ta"] or all(rests[m] for m in trial.triceps):
+        return  # nothing stands out of one side
     where = np.flatnonzero(both)
     yield make_finding(
         "co-contraction",

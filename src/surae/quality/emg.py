@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from surae.quality.electrodes import ONE_STRENGTH, RELAXED, RMS, SILENT
 from surae.quality.finding import Finding, make_finding, quantity
 from surae.quality.numeric import correlation, equal_runs, quantile, runs, smooth, span_of
 from surae.quality.trial import CheckedTrial
@@ -15,10 +16,6 @@ from surae.recording.recording import weight_of
 from surae.signals import Preparation
 from surae.signals.prepare import RATE_FACTOR
 
-#: A muscle that never exceeds this [V] is at rest: maximal efforts give 2e-4 V and more.
-REST_VOLTS = 2e-5
-#: Highest over lowest level up to which a channel is of one strength: noise has 1.6.
-ONE_STRENGTH = 2.0
 #: A channel that keeps one value for longer than this [s] has lost its signal.
 DROPOUT = 0.5
 #: Raw EMG that keeps one value for so long [s], so many times, has lost pieces; each ends in a jump
@@ -26,9 +23,20 @@ DROPOUT = 0.5
 _GAP = 0.02
 _GAPS = 3
 _DIGITS = 3.0
-#: A channel whose activity never reaches this part of the strongest channel's is without contact:
-#: muscles of one leg differ by a factor of ten at most.
-SILENT = 0.01
+#: Torque in the direction of a muscle [Nm] that neither angle nor the other muscles' EMG explain,
+#: root mean square and in the strongest 2 % of the time: then its electrode, which shows noise
+#: alone, is dead. Angle alone leaves less than 2 in measured and virtual relaxed trials.
+UNHEARD = (4.0, 8.0)
+#: Heads of the triceps that work above this part of the largest of the leg's trials, for so long
+#: [s], while one whose electrode works elsewhere shows noise alone.
+_GO_ON = 0.3
+_GO_ON_S = 3.0
+#: A limit holds samples at this part and more of the largest of the leg's trials: what a recorder's
+#: digits repeat in a relaxed trial is far below.
+CLIPPED_LEVEL = 0.5
+#: An artefact whose sample is below this part of what efforts reach, or a hum or an offset that is
+#: a small part of them, does no harm in a relaxed trial.
+HARMLESS = 0.25
 #: Samples exactly at the largest value that make a plateau. A smooth peak has two at most.
 CLIPPED_SAMPLES = 5
 #: A plateau holds more samples than the next hundredth of the range below it; where nothing is
@@ -112,20 +120,49 @@ def missing(trial: CheckedTrial) -> Iterator[Finding]:
 
 
 def flat(trial: CheckedTrial) -> Iterator[Finding]:
-    """Channels, or parts of them, that are constant or far below the others."""
-    tops = {m: quantile(e, 0.98) for m, e in trial.slow.items()}
-    strongest = max(tops.values(), default=0.0)
-    raw = trial.emg_kind == "raw"
+    """Channels, or parts of them, that are constant or hear nothing of a muscle that works."""
+    known = trial.electrodes
+    tops = {muscle: quantile(envelope, 0.98) for muscle, envelope in trial.slow.items()}
+    effort = any(not known.rests(muscle, top) for muscle, top in tops.items())
     for muscle, channel in trial.emg.items():
         if muscle not in tops:
-            yield _flat(trial, channel, "constant", level=float(channel.values[0]) + 0.0)
-        elif tops[muscle] < SILENT * strongest:
-            share = 100 * tops[muscle] / strongest
-            yield _flat(trial, channel, "silent", percent=share)
-        elif raw and REST_VOLTS < tops[muscle] < ONE_STRENGTH * quantile(trial.slow[muscle], 0.05):
-            yield _flat(trial, channel, "noise")
+            # An electrode that is constant in all trials is as one that is missing.
+            lost = muscle in known.levels
+            level = float(channel.values[0]) + 0.0
+            yield _flat(trial, channel, "constant", lost=lost, level=level)
+            continue
+        silent = tops[muscle] < SILENT * known.strongest
+        steady = tops[muscle] < ONE_STRENGTH * quantile(trial.slow[muscle], 0.05)
+        dead = (silent or steady) and _is_unheard(trial, muscle)
+        # Noise of one strength that is as weak as a relaxed muscle's may be one.
+        loud = silent or (steady and tops[muscle] > RELAXED * known.strongest)
+        doubtful = effort and loud and not known.works(muscle)
+        doubtful = doubtful or ((silent or steady) and _rests_beside(trial, muscle))
+        if dead or doubtful:
+            share = 100 * tops[muscle] / known.strongest
+            which = "silent" if silent else "noise"
+            yield _flat(trial, channel, which, lost=dead, percent=share)
         else:
             yield from _dropouts(trial, channel)
+
+
+def _is_unheard(trial: CheckedTrial, muscle: str) -> bool:
+    """Whether the torque shows a muscle at work of which its electrode shows nothing."""
+    if trial.model is None:
+        return False
+    left = trial.model.unexplained * (-1.0 if muscle == "ta" else 1.0)
+    usual, strong = UNHEARD
+    return float(np.std(left)) > usual and quantile(left, 0.98) > strong
+
+
+def _rests_beside(trial: CheckedTrial, muscle: str) -> bool:
+    """Whether other heads of the triceps work for long: one of them may rest, or be unheard."""
+    known = trial.electrodes
+    heads = [m for m in trial.triceps if m != muscle and known.works(m)]
+    if muscle == "ta" or not heads or not known.works(muscle):
+        return False
+    at_work = [trial.slow[m] > _GO_ON * known.levels[m].top for m in heads]
+    return float(np.any(at_work, axis=0).sum()) > _GO_ON_S * trial.rate_hz
 
 
 def _dropouts(trial: CheckedTrial, channel: Channel) -> Iterator[Finding]:
@@ -185,8 +222,11 @@ def _flat(
     which: str,
     first: int = 0,
     last: int = -1,
+    *,
+    lost: bool = False,
     **values: Any,
 ) -> Finding:
+    """A channel, or a part of it, that shows nothing; `lost` where its muscle works."""
     start = float(channel.time[first])
     end = float(channel.time[last])
     whole = (start, end) == span_of(channel.time)
@@ -196,7 +236,7 @@ def _flat(
         channel.role,
         (start, end),
         values.get("seconds", end - start),
-        severity="error" if whole else "warning",
+        severity="error" if lost else "warning",
         advice="emg-flat/whole" if whole else "",
         muscle=trial.names[muscle],
         weight=weight_of(muscle),
@@ -224,6 +264,7 @@ def clipped(trial: CheckedTrial) -> Iterator[Finding]:
     """Channels that end at a plateau, as behind an amplifier at its limit."""
     for muscle, channel in trial.emg.items():
         raw = trial.emg_kind == "raw"
+        known = trial.electrodes.levels.get(muscle)
         values = channel.values - (float(np.median(channel.values)) if raw else 0.0)
         # An offset may hide a side; an envelope rests at its smallest value.
         for side in (values, -values) if raw else (values,):
@@ -234,6 +275,8 @@ def clipped(trial: CheckedTrial) -> Iterator[Finding]:
             share = len(where) / len(values)
             beside = int((side >= top - 0.01 * span).sum()) - count
             if top <= 0.0 or count < max(CLIPPED_SAMPLES, CLIPPED_EXCESS * beside) or share > 0.5:
+                continue
+            if known is not None and float(np.abs(values).max()) < CLIPPED_LEVEL * known.peak:
                 continue
             level = float(channel.values[where[0]])
             yield make_finding(
@@ -298,14 +341,14 @@ def offset(trial: CheckedTrial) -> Iterator[Finding]:
     for muscle, channel in trial.varying.items():
         if trial.emg_kind == "raw":
             level = float(np.median(channel.values))
-            ratio = abs(level) / float(np.std(channel.values))
+            strength = max(float(np.std(channel.values)), RMS * trial.electrodes.levels[muscle].top)
+            ratio = abs(level) / strength
             limit = OFFSET
         else:
             level = quantile(trial.slow[muscle], 0.02)
-            top = quantile(trial.slow[muscle], 0.98)
+            top = max(quantile(trial.slow[muscle], 0.98), trial.electrodes.levels[muscle].top)
             # Where no burst stands out there is no level of rest to speak of.
-            known = top > 2.0 * level and (channel.unit != "V" or top > REST_VOLTS)
-            ratio = level / top if known else 0.0
+            ratio = level / top if top > ONE_STRENGTH * level else 0.0
             limit = FLOOR
         if ratio > limit:
             yield make_finding(
@@ -337,6 +380,7 @@ def artefact(trial: CheckedTrial) -> Iterator[Finding]:
             width = round(_SLOW_WINDOW * channel.rate_hz)
             swing = np.abs(smooth(smooth(values, width), width))
             wrong |= swing > SLOW_SPIKE * usual
+        wrong &= size > HARMLESS * trial.electrodes.levels[muscle].top
         if not wrong.any():
             continue
         # Touching pieces are one artefact.

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from surae.base.units import FloatArray
+from surae.quality.electrodes import RELAXED, RMS
 from surae.quality.finding import Finding, Unjudged, make_finding, quantity
 from surae.quality.numeric import runs, span_of
 from surae.quality.trial import CheckedTrial
@@ -22,7 +23,8 @@ _AROUND = 6.0
 #: Power of the line over the median of its neighbourhood. Of noise, the largest of some 20
 #: exponentially distributed values is above 30 medians once in 5e7.
 LINE = 30.0
-#: Amplitude of the hum as a part of the EMG's root mean square, below which it does no harm.
+#: Amplitude of the hum as a part of the EMG's root mean square, or of that of efforts in other
+#: trials of the leg, below which it does no harm.
 SMALLEST = 0.02
 
 
@@ -36,7 +38,7 @@ def hum(trial: CheckedTrial) -> Iterator[Finding]:
             continue
         amplitude, frequency = line(channel)
         # Bursts raise the root mean square but not the harm done at rest.
-        rms = float(np.std(channel.values))
+        rms = max(float(np.std(channel.values)), RMS * trial.electrodes.levels[muscle].top)
         if amplitude < SMALLEST * rms or amplitude == 0.0:
             continue
         heard = True
@@ -121,7 +123,9 @@ def off(trial: CheckedTrial) -> Iterator[Finding]:
             continue  # one that hears its muscle again has not come off
         now = float(np.median(hum[first:last]))
         rest = np.delete(hum, slice(first, last))
-        if now >= _TIMES * float(np.median(rest)):
+        known = trial.electrodes.levels.get(channel.role.removeprefix("emg_"))
+        harmless = 0.0 if known is None else RELAXED * known.top
+        if now >= max(_TIMES * float(np.median(rest)), harmless):
             start, end = channel.time[[first * size, min(last * size, len(channel.time) - 1)]]
             yield make_finding(
                 "electrode-off",

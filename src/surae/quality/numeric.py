@@ -7,6 +7,11 @@ import numpy.typing as npt
 
 from surae.base.units import FloatArray
 
+#: Share of runs, or of steps between levels, that must be alike for a slower clock or a digit.
+_EVENLY = 0.8
+#: Most levels of a recorder whose digits show, and how close to whole digits its steps are.
+_LEVELS = 2000
+_WHOLE = 0.05
 BoolArray = npt.NDArray[np.bool_]
 IndexArray = npt.NDArray[np.intp]
 
@@ -95,3 +100,27 @@ def correlation(a: FloatArray, b: FloatArray) -> float:
     b = b - b.mean()
     scale = float(np.sqrt((a @ a) * (b @ b)))
     return float(a @ b) / scale if scale > 0.0 else 0.0
+
+
+def held_for(values: FloatArray) -> int:
+    """For how many samples each value is kept, of a slower recording that fills a faster file.
+
+    1 where values are new in every sample, or are kept for times that differ.
+    """
+    length = equal_runs(values)[1][1:-1]
+    if not length.size:
+        return 1
+    usual = int(quantile(length.astype(np.float64), 0.5))
+    alike = np.abs(length - usual) <= 1
+    return usual if usual > 1 and alike.mean() > _EVENLY else 1
+
+
+def digit_of(values: FloatArray) -> float:
+    """The step in which values were recorded; 0 where they have too many levels to tell."""
+    levels = np.unique(values)
+    if not 2 <= len(levels) <= _LEVELS:
+        return 0.0
+    steps = np.diff(levels)
+    digit = float(steps.min())
+    whole = np.abs(steps / digit - np.round(steps / digit)) < _WHOLE
+    return digit if whole.mean() > _EVENLY else 0.0

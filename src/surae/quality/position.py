@@ -6,7 +6,16 @@ import numpy as np
 
 from surae.base.units import FloatArray
 from surae.quality.finding import Finding, Unjudged, make_finding
-from surae.quality.numeric import quantile, runs, smooth, span_of
+from surae.quality.numeric import (
+    IndexArray,
+    digit_of,
+    equal_runs,
+    held_for,
+    quantile,
+    runs,
+    smooth,
+    span_of,
+)
 from surae.quality.trial import RATE, CheckedTrial, Signals, to_radians
 from surae.recording import Recording
 
@@ -49,8 +58,12 @@ RINGS = 0.62
 RINGS_S = 0.33
 #: A jump of the angle [rad] that is no encoder's step...
 JUMP = 0.012
-#: ...and is so many times the movement of the samples around it.
+#: ...and is so many times the movement of the samples around it, and stays: the middle of samples
+#: of so long [s], five at least, after it is as far away by half of it.
 _ALONE = 8.0
+_STAYS_S = 0.04
+#: Values that are kept for longer [s] are no slower clock's, but a device's that stands still.
+_HELD_S = 0.05
 
 
 def units(trial: CheckedTrial) -> Iterator[Finding]:
@@ -164,27 +177,65 @@ def slow_and_fast(speeds: Sequence[float]) -> bool:
 
 
 def steps(trial: CheckedTrial) -> Iterator[Finding]:
-    """Jumps of the position (thesis 4.4: steps instead of the profile)."""
+    """Jumps of the position after which it stays (thesis 4.4: steps instead of the profile).
+
+    Spikes of a sensor, a recorder's digits and values of a slower clock are no steps.
+    """
     channel = trial.recording.channels["angle"]
-    moved = np.diff(channel.values) * to_radians(channel)
-    size = np.abs(moved)
+    kept = held_for(channel.values)
+    kept = kept if kept <= _HELD_S * channel.rate_hz else 1
+    first = equal_runs(channel.values)[0] if kept > 1 else slice(None)
+    angle = channel.values[first] * to_radians(channel)
+    time = channel.time[first]
+    size = np.abs(np.diff(angle))
     # A jump may fall on two samples; the two next to it are not looked at.
     around = np.lib.stride_tricks.sliding_window_view(np.pad(size, 5, mode="edge"), 11)
     beside = np.maximum(around[:, :3].max(axis=1), around[:, 8:].max(axis=1))
     jumps = np.flatnonzero((size > JUMP) & (size > _ALONE * beside))
-    gaps = np.diff(channel.time)
+    gaps = np.diff(time)
     jumps = jumps[gaps[jumps] < 1.5 * float(np.median(gaps))]
-    if not jumps.size:
-        return
-    worst = int(jumps[np.argmax(size[jumps])])
-    yield make_finding(
-        "position-steps",
-        "angle",
-        (channel.time[jumps[0]], channel.time[jumps[-1] + 1]),
-        float(size[worst]),
-        n=len(jumps),
-        size=size[worst],
-    )
+    digit = digit_of(angle)
+    fine = jumps[size[jumps] > 1.5 * digit]
+    width = max(round(_STAYS_S * channel.rate_hz / kept), 5)
+    real = [jump for jump in fine.tolist() if _moved(angle, jump, width) > 0.5 * size[jump]]
+
+    def found(which: str, at: IndexArray) -> Finding:
+        """A finding on jumps, or on the whole channel where there are none."""
+        return make_finding(
+            f"position-steps{which}",
+            "angle",
+            (time[at[0]], time[at[-1] + 1]) if len(at) else trial.span,
+            float(size[at].max(initial=0.0)),
+            severity="info" if which else "error",
+            advice="position-steps/recorded" if which else "",
+            n=len(at),
+            size=float(size[at].max(initial=0.0)),
+            degrees=float(np.rad2deg(size[at].max(initial=0.0))),
+            hz=channel.rate_hz / kept,
+        )
+
+    if real:
+        yield found("", np.array(real))
+    elif fine.size:
+        yield found("/spikes", fine)
+    elif jumps.size:
+        yield found("/digits", jumps)
+    elif kept > 1:
+        yield found("/held", jumps)
+
+
+def _moved(angle: FloatArray, jump: int, width: int) -> float:
+    """How far the angle lies after a jump from where it was before, but for its own movement.
+
+    By the middle of samples on both sides, and of their steps: a spike changes neither.
+    """
+    before = angle[max(jump - width + 1, 0) : jump + 1]
+    after = angle[jump + 2 : jump + 2 + width]
+    if min(len(before), len(after)) < 2:
+        return 0.0
+    speed = float(np.median(np.concatenate([np.diff(before), np.diff(after)])))
+    apart = 0.5 * (len(before) + len(after)) + 1.0
+    return abs(float(np.median(after) - np.median(before)) - speed * apart)
 
 
 def overshoot(trial: CheckedTrial) -> Iterator[Finding]:
@@ -245,7 +296,8 @@ def _departure(trial: CheckedTrial) -> Iterator[Finding]:
         "angle",
         span_of(time, where),
         size,
-        severity="warning" if size < 0.1 * span else "error",
+        # a profile that was only recognised may be another one
+        severity="error" if commanded.given and size >= 0.1 * span else "warning",
         profile=commanded.name,
         size=size,
         percent=100 * size / span,

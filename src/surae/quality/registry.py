@@ -9,6 +9,7 @@ from surae.base.plugins import plugins
 from surae.model.joint import ANKLE, Joint
 from surae.quality import activity, emg, film, lag, mains, position, reflex, timing, torque
 from surae.quality.commanded import Commanded
+from surae.quality.electrodes import Electrodes
 from surae.quality.finding import SEVERITIES, Finding, Quality, Skipped, Unjudged
 from surae.quality.trial import CheckedTrial, Signals, trial_of
 from surae.recording import MUSCLES, Recording
@@ -83,19 +84,21 @@ def check_recording(
     commanded: Commanded | None = None,
     signals: Signals | None = None,
     joint: Joint = ANKLE,
+    electrodes: Electrodes | None = None,
 ) -> Quality:
     """All findings of a recording of a joint, the most severe first, then by time.
 
     It is as it was measured: checks see faults that preparation would hide. `commanded` is the
     motion that the device was to follow, and the requested effort; `signals` are the recording's
-    own, where they have been made already. Of another joint than the ankle it has none by the
-    ankle's limits, and none of channels that stand for no muscle.
+    own, where they have been made already; `electrodes` are what all trials of the leg show of
+    theirs, else the trial is judged against itself. Of another joint than the ankle it has none by
+    the ankle's limits, and none of channels that stand for no muscle.
     """
     findings = [*timing.time_axes(recording), *timing.too_short(recording)]
     skipped: list[Skipped] = []
     reason = unfit(recording)
     if reason is None:
-        trial = trial_of(recording, commanded, signals, joint)
+        trial = trial_of(recording, commanded, signals, joint, electrodes)
         for check in (*CHECKS, *plugins("checks", Check).values()):
             try:
                 findings += check.run(trial)

@@ -24,7 +24,8 @@ BAD_JITTER = 0.25
 #: tau_rel lies between 1 and 10 s; three times its usual 5 s show the relaxation and its end. All
 #: protocols of the thesis last 18 s or more.
 SHORT = 15.0
-#: Below one usual tau_rel nothing of it can be seen.
+#: Below one usual tau_rel nothing of it can be seen, and signs and lags can be anything: a fit has
+#: more parameters than such a trial tells.
 TOO_SHORT = 5.0
 
 
@@ -133,7 +134,6 @@ def too_short(recording: Recording) -> Iterator[Finding]:
             None,
             (start, end),
             seconds,
-            severity="warning" if seconds >= TOO_SHORT else "error",
             seconds=seconds,
             enough=SHORT,
             advice="trial-too-short/enough",

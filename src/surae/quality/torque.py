@@ -10,7 +10,15 @@ from surae.base.units import FloatArray
 from surae.protocol import DEVICES
 from surae.quality.baseline import baseline
 from surae.quality.finding import Finding, Unjudged, make_finding
-from surae.quality.numeric import IndexArray, correlation, equal_runs, quantile, span_of
+from surae.quality.numeric import (
+    IndexArray,
+    correlation,
+    digit_of,
+    equal_runs,
+    held_for,
+    quantile,
+    span_of,
+)
 from surae.quality.torque_model import passive_columns
 from surae.quality.trial import CheckedTrial
 
@@ -18,6 +26,8 @@ from surae.quality.trial import CheckedTrial
 #: all: a measured or simulated torque repeats no number.
 PLATEAU_RUN = 3
 PLATEAU = 6
+#: What is at its largest for more than this part of a trial rests there.
+_RESTS = 0.5
 #: A plateau behind a noisy sensor: this part of the limit above and below it...
 _BAND = 0.005
 #: ...holds so many times the samples of the band next below. The top of a smooth peak has 2.4.
@@ -70,9 +80,15 @@ def limit(trial: CheckedTrial) -> Iterator[Finding]:
 def _stopped(side: FloatArray, most: float, *, stated: bool) -> IndexArray | None:
     """Samples at which a torque is held by a limit, in one direction; None if it is not."""
     top = float(side.max())
+    kept = held_for(side)
     first, length = equal_runs(side)
     level = side[first] >= top * (1.0 - 1e-9)
-    if top > 1.0 and length[level].max() >= PLATEAU_RUN and length[level].sum() >= PLATEAU:
+    enough = (
+        length[level].max(initial=0) >= PLATEAU_RUN * kept and length[level].sum() >= PLATEAU * kept
+    )
+    # Equal samples say nothing where a recorder's digits, or rest, make them equal.
+    rests = length[level].sum() > _RESTS * len(side)
+    if top > 1.0 and enough and not digit_of(side) and not rests:
         return np.flatnonzero(side >= top * (1.0 - 1e-9))
     within = np.abs(side - most) <= _BAND * most
     below = np.abs(side - (1.0 - 2.0 * _BAND) * most) <= _BAND * most

@@ -13,6 +13,7 @@ from surae.base.words import Message
 from surae.model.joint import ANKLE, Joint
 from surae.protocol.effort import effort, named_task
 from surae.quality.commanded import Commanded, recognised
+from surae.quality.electrodes import SLOW, Electrodes, electrodes_of
 from surae.quality.numeric import BoolArray, correlation, smooth, span_of
 from surae.quality.torque_model import TorqueModel, torque_model
 from surae.recording import MUSCLES, Channel, Recording
@@ -24,9 +25,6 @@ RATE = 100.0
 #: Raw EMG is freed of all below about 40 Hz, as the preparation's high-pass does, by a moving
 #: average of this length [s], whose first zero lies there.
 _DETREND = 0.025
-#: Where an envelope is judged by its level, it is averaged over this [s]: rectified noise then
-#: varies by some 15 % and a burst of one second is still seen.
-SLOW = 0.2
 #: An angle beyond this [rad] is in degrees: no ankle turns by 115°.
 IMPOSSIBLE_ANGLE = 2.0
 #: Step at which the effort of a task is made [s]: bursts rise over a tenth of a second and more.
@@ -64,6 +62,7 @@ class CheckedTrial(Signals):
     effort: FloatArray | None  #: The requested effort, given or recognised, shape (n, 4).
     #: What torque, angle and EMG have to do with each other; None without torque.
     model: TorqueModel | None
+    electrodes: Electrodes  #: What all trials of the leg show of each electrode that varies here.
     joint: Joint = ANKLE  #: The joint, whose words findings have.
 
     @property
@@ -106,11 +105,13 @@ def trial_of(
     commanded: Commanded | None = None,
     signals: Signals | None = None,
     joint: Joint = ANKLE,
+    electrodes: Electrodes | None = None,
 ) -> CheckedTrial:
     """Bring a recording's signals to what the checks compare.
 
     The channels share a span of time. A commanded profile that is not given is recognised from the
-    angle where it can be.
+    angle where it can be. `electrodes` are what all trials of the leg show; without them the trial
+    is judged against itself.
     """
     seen = signals or signals_of(recording)
     time = seen.time
@@ -118,6 +119,9 @@ def trial_of(
     torque = seen.torque
     slow = {muscle: smooth(e, round(SLOW * rate)) for muscle, e in seen.fast.items()}
     velocity = np.gradient(seen.angle, 1.0 / rate) if len(time) > 2 else np.zeros_like(time)
+    own = electrodes_of(recording, seen.fast, rate)
+    if electrodes is not None:
+        own = Electrodes({**own.levels, **electrodes.levels}, electrodes.trials)
     model = torque_model(time, rate, seen.angle, torque, seen.fast) if torque is not None else None
     return CheckedTrial(
         *(getattr(seen, field.name) for field in fields(seen)),
@@ -125,6 +129,7 @@ def trial_of(
         velocity=velocity,
         slow=slow,
         model=model,
+        electrodes=own,
         joint=joint,
         commanded=commanded or recognised(recording.channels["angle"]),
         effort=_requested_effort(time, slow, commanded),

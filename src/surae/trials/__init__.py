@@ -2,7 +2,14 @@
 
 from surae.trials.folder import trial_files
 from surae.trials.sorting import EFFORTS, Hold, Reading, Trial, sorted_trials, tell_together
-from surae.trials.trial_set import Crossed, TrialSet, common_errors, prepared_for, reading_of
+from surae.trials.trial_set import (
+    Crossed,
+    TrialSet,
+    common_errors,
+    in_order_of_content,
+    prepared_for,
+    reading_of,
+)
 
 __all__ = [
     "EFFORTS",
@@ -12,6 +19,7 @@ __all__ = [
     "Trial",
     "TrialSet",
     "common_errors",
+    "in_order_of_content",
     "prepared_for",
     "reading_of",
     "sorted_trials",

@@ -1,7 +1,9 @@
 """The trials of one leg together: what they are, one EMG reference, what is wrong in all alike."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+
+import numpy as np
 
 from surae.base.errors import InputError
 from surae.base.file_form import filed
@@ -123,6 +125,22 @@ def prepared_for(
     parts = thinned(parted([recording]), settings.model == AUTO)
     prepared = replace(settings, normalise=None).inputs(parts)
     return tuple(normalised(inputs, reference) for inputs in prepared)
+
+
+def in_order_of_content(
+    names: Iterable[str], inputs: Mapping[str, Sequence[ModelInputs]]
+) -> tuple[str, ...]:
+    """Trials in an order that neither their names nor that of their files decides.
+
+    A search that ends at another of several valleys, or rounds otherwise, for another order of
+    what it reads would make other numbers of the same trials.
+    """
+
+    def size(name: str) -> tuple[float, ...]:
+        torque = np.concatenate([part.torque for part in inputs[name] if part.torque is not None])
+        return -float(len(torque)), -float(torque.std()), float(torque.mean())
+
+    return tuple(sorted(names, key=size))
 
 
 def reading_of(recording: Recording) -> Reading:

@@ -5,6 +5,8 @@ from dataclasses import dataclass, field, replace
 from functools import reduce
 from typing import Literal
 
+import numpy as np
+
 from surae.base.words import Message
 from surae.inference.diagnosis.quick import QuickFit, percent, quick_fit
 from surae.quality.trial import Signals, sampled
@@ -15,6 +17,9 @@ from surae.recording.corrections import Corrections
 #: against.
 EXPLAINS = 0.8
 CLEARLY = 2.5
+#: Evidence of what is claimed as an error over the recording as it is, in 2 ln: odds of 150 to 1
+#: ("very strong", Kass and Raftery 1995), by as many samples as the residual is worth.
+EVIDENCE = 10.0
 #: So many muscles that do nothing while their EMG shows effort make an explanation unlikely: of 24
 #: legs of other shapes, right ones had one at most, turned ones taken for swapped ones two.
 IDLE = 2
@@ -33,6 +38,17 @@ class Explanation:
     def r2(self) -> float:
         """What the fit explains; below everything where there is none."""
         return -float("inf") if self.fit is None else self.fit.r2
+
+
+def evidence(better: Explanation, worse: Explanation) -> float:
+    """Twice the logarithm of the odds by which one explanation is better than another.
+
+    Both leave Gaussian noise of unknown strength; the samples are those that the residual of the
+    better one is worth, as many as are independent.
+    """
+    if better.fit is None or worse.fit is None:
+        return 0.0 if better.fit is None else float("inf")
+    return better.fit.samples * float(np.log(worse.fit.unexplained / better.fit.unexplained))
 
 
 def tried(recording: Recording, signals: Signals, how: Explanation) -> Explanation:
@@ -57,7 +73,8 @@ def possible(explanations: Iterable[Explanation]) -> list[Explanation]:
     least = ranked[0].fit.unexplained
     good = [e for e in ranked if e.fit is not None and e.fit.unexplained < CLEARLY * least]
     # Two muscles exchanged look like all signs turned, but for the muscles that are then idle.
-    busy = [each for each in good if each.fit is not None and each.fit.idle < IDLE]
+    # What is not claimed needs no such reason.
+    busy = [e for e in good if e.fit is not None and (e.fit.idle < IDLE or not e.departures)]
     return busy or good
 
 

@@ -49,6 +49,7 @@ class QuickFit:
     #: of it), and the part of what the fit leaves that it explains.
     slow: Mapping[str, tuple[float, float]] = field(default_factory=FrozenDict)
     at: tuple[float, ...] = ()  #: The free parameters.
+    samples: float = 1.0  #: How many independent samples its residual is worth.
 
     @property
     def unexplained(self) -> float:
@@ -134,8 +135,26 @@ def quick_fit(
         return None
     weights = [x for name, x in zip(problem.free, best.x, strict=True) if name in _WEIGHTS]
     idle = sum(weight < _IDLE * max(weights) for weight in weights)
-    slow = _slow(rows(best.x), dict(zip(problem.free, best.x, strict=True)))
-    return QuickFit(1.0 - best.sse / power, offset, idle, slow, tuple(best.x.tolist()))
+    table = rows(best.x)
+    slow = _slow(table, dict(zip(problem.free, best.x, strict=True)))
+    r2 = 1.0 - best.sse / power
+    return QuickFit(r2, offset, idle, slow, tuple(best.x.tolist()), independent(table[-1]))
+
+
+def independent(residual: FloatArray) -> float:
+    """How many independent samples a residual is worth: n over its integrated autocorrelation.
+
+    The sum ends where the autocorrelation first is not positive (Geyer, Statistical Science 7,
+    1992): what a model leaves out is slow, and the samples of one swing of it say one thing.
+    """
+    e = residual - residual.mean()
+    size = 1 << (2 * len(e) - 1).bit_length()
+    power = np.fft.irfft(np.abs(np.fft.rfft(e, size)) ** 2, size)[: len(e)]
+    if power[0] <= 0.0:
+        return float(len(e))
+    rho = power / power[0]
+    end = int(np.argmax(rho <= 0.0)) or len(rho)
+    return float(len(e) / (1.0 + 2.0 * rho[1:end].sum()))
 
 
 def _slow(rows: FloatArray, values: Mapping[str, float]) -> FrozenDict[str, tuple[float, float]]:

@@ -9,8 +9,9 @@ from surae.base.frozen import read_only
 from surae.base.words import Message
 from surae.inference.diagnosis.explanations import Explanation, compared, joined, possible, tried
 from surae.quality import Finding
+from surae.quality.electrodes import Electrode, Electrodes, electrodes_of
 from surae.quality.finding import make_finding
-from surae.quality.numeric import quantile, quantiles, span_of
+from surae.quality.numeric import quantile, span_of
 from surae.quality.registry import unfit
 from surae.quality.trial import signals_of
 from surae.recording import MUSCLE_NAMES, MUSCLES, Channel, Recording
@@ -44,16 +45,27 @@ _EFFORT = 5e-5
 _Righted = tuple[Finding, Recording]
 
 
-def wrong_units(recording: Recording) -> tuple[list[Finding], Recording]:
-    """Units that cannot be what they are declared to be, and the recording with them put right."""
+def wrong_units(
+    recording: Recording, electrodes: Electrodes | None = None
+) -> tuple[list[Finding], Recording]:
+    """Units that cannot be what they are declared to be, and the recording with them put right.
+
+    `electrodes` are what all trials of the leg show of theirs, else this one's are taken.
+    """
     findings: list[Finding] = []
     if "angle" not in recording.channels:
         return findings, recording
-    for of_unit in (_time_unit, _torque_unit, *[_emg_unit] * len(MUSCLES)):
-        righted = of_unit(recording)
-        if righted is not None and righted[0] not in findings:
+    for of_unit in (_time_unit, _torque_unit):
+        if (righted := of_unit(recording)) is not None:
             findings.append(righted[0])
             recording = righted[1]
+    for _ in MUSCLES:
+        as_read = recording
+        if (righted := _emg_unit(recording, electrodes)) is None or righted[0] in findings:
+            break
+        findings.append(righted[0])
+        recording = righted[1]
+        electrodes = electrodes and electrodes.in_units(as_read, recording)
     return findings, recording
 
 
@@ -147,12 +159,12 @@ def _torque_unit(recording: Recording) -> _Righted | None:
     ), righted
 
 
-def _named_smaller(recording: Recording, tops: Mapping[str, float]) -> _Righted | None:
+def _named_smaller(recording: Recording, levels: Mapping[str, Electrode]) -> Finding | None:
     """EMG in V that is declared as mV or µV: its rest is less than any amplifier's noise.
 
     Skin at rest, and the best amplifiers, have 0.3 µV and more; an effort is far above both.
     """
-    channels = [recording.channels[role] for role in tops]
+    channels = [recording.channels[role] for role in levels]
     most = max((float(np.abs(c.values).max()) for c in channels), default=0.0)
     rests = [rest for c in channels if (rest := _quietest(c)) > 0.0]
     if recording.emg != "raw" or not rests or min(rests) >= _AMPLIFIERS_REST:
@@ -160,20 +172,11 @@ def _named_smaller(recording: Recording, tops: Mapping[str, float]) -> _Righted 
     times = next((f for f in (1e3, 1e6) if _EFFORT <= f * most <= _SKIN), None)
     if times is None:
         return None
+    span = span_of(channels[0].time)
     named = "mV" if times < 1e6 else "µV"
-    finding = make_finding(
-        "emg-unit/smaller",
-        None,
-        span_of(channels[0].time),
-        most,
-        top=most,
-        times=times,
-        then=times * most,
-        named=named,
+    return make_finding(
+        "emg-unit/smaller", None, span, most, severity="warning", top=most, times=times, named=named
     )
-    for role in tops:
-        recording = scaled(recording, role, times)
-    return finding, recording
 
 
 def _quietest(channel: Channel) -> float:
@@ -186,46 +189,55 @@ def _quietest(channel: Channel) -> float:
     return float(pieces.std(axis=1).min())
 
 
-def _emg_unit(recording: Recording) -> _Righted | None:
-    """EMG of one muscle, or of all, in mV or µV that is declared as volts."""
-    tops = {}
-    for role, channel in recording.channels.items():
-        if role.startswith("emg_") and channel.unit == "V":
-            low, middle, high = quantiles(channel.values, 0.01, 0.5, 0.99)
-            if high > low:
-                tops[role] = max(high - middle, middle - low)
+def _emg_unit(recording: Recording, electrodes: Electrodes | None) -> _Righted | None:
+    """EMG of one muscle in mV or µV among others in volts; what all of it can be for information.
+
+    The weights of the muscles take any unit that all EMG has alike, so a fit cannot tell it.
+    """
+    volts = [r for r, c in recording.channels.items() if r.startswith("emg_") and c.unit == "V"]
+    levels = _levels(recording, electrodes)
+    levels = {role: own for role, own in levels.items() if role in volts}
+    tops = {role: own.peak for role, own in levels.items()}
     largest = max(tops, key=lambda role: tops[role], default="")
     top = tops.get(largest, 0.0)
     others = max((top for role, top in tops.items() if role != largest), default=0.0)
-    one = len(tops) > 1 and top > _MUSCLES * others
-    if not one and (righted := _named_smaller(recording, tops)) is not None:
-        return righted
-    lies = max((float(np.abs(recording.channels[role].values).max()) for role in tops), default=0.0)
-    if not one and ((lies >= _NOISE and top <= _SKIN) or top == 0.0):
-        return None
-    span = span_of(recording.channels[largest].time)
-    if not one and top <= _AMPLIFIER:
-        if lies < _NOISE:
-            small = make_finding("emg-unit/small", None, span, top, severity="warning", top=top)
-            return small, recording
+    span = span_of(recording.channels["angle"].time)
+    works = all(own.works for own in levels.values()) and others > 0.0
+    if works and top > _MUSCLES * others:
+        factor, unit = (1e-6, "µV") if top > 1e4 * others else (1e-3, "mV")
+        finding = make_finding(
+            "emg-unit/one",
+            largest,
+            span,
+            top,
+            muscle=Message(MUSCLE_NAMES[largest.removeprefix("emg_")]),
+            top=top,
+            others=others,
+            read=unit,
+            then=top * factor,
+            role=largest,
+        )
+        return finding, scaled(recording, largest, factor)
+    if top > _AMPLIFIER:
+        taken = make_finding(
+            "emg-unit/all", None, span, top, severity="warning", top=top, then=top * 1e-6
+        )
+        return taken, recording
+    if (smaller := _named_smaller(recording, levels)) is not None:
+        return smaller, recording
+    if 0.0 < top < _NOISE and max(own.top for own in levels.values()) < _NOISE:
+        small = make_finding("emg-unit/small", None, span, top, severity="warning", top=top)
+        return small, recording
+    if top > _SKIN:
         large = make_finding("emg-unit/large", None, span, top, severity="info", top=top)
         return large, recording
-    if not one:
-        for role in tops:
-            recording = scaled(recording, role, 1e-6)
-        taken = make_finding("emg-unit/all", None, span, top, top=top, then=top * 1e-6)
-        return taken, recording
-    factor, unit = (1e-6, "µV") if top > 1e4 * others else (1e-3, "mV")
-    finding = make_finding(
-        "emg-unit/one",
-        largest,
-        span,
-        top,
-        muscle=Message(MUSCLE_NAMES[largest.removeprefix("emg_")]),
-        top=top,
-        others=others,
-        read=unit,
-        then=top * factor,
-        role=largest,
-    )
-    return finding, scaled(recording, largest, factor)
+    return None
+
+
+def _levels(recording: Recording, electrodes: Electrodes | None) -> dict[str, Electrode]:
+    """What is known of each EMG channel that varies, by role."""
+    if electrodes is None and unfit(recording) is None:
+        signals = signals_of(recording)
+        electrodes = electrodes_of(recording, signals.fast, signals.rate_hz)
+    known = {} if electrodes is None else electrodes.levels
+    return {f"emg_{muscle}": own for muscle, own in known.items()}

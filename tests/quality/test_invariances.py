@@ -1,0 +1,185 @@
+"""What changes nothing of a leg changes no finding: units, names, order, clocks, cuts, rest before.
+
+Of measured trials and of virtual ones of another generator, each judged within its folder.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import surae
+import surae.api
+from marks import slow
+from surae.base.frozen import read_only
+from surae.recording import Channel, Recording
+from surae.recording.corrections import Corrections
+
+KINDS = ("active", "passive", "isometric")
+#: What says in which unit EMG seems to be, and stops nothing.
+SAYS_THE_UNIT = "emg-unit"
+
+Change = Callable[[Recording], Recording]
+
+
+def mapped(recording: Recording, change: Callable[[Channel], Channel]) -> Recording:
+    return replace(recording, channels={r: change(c) for r, c in recording.channels.items()})
+
+
+def scaled(factor: float, part: str = "emg_") -> Change:
+    def of(channel: Channel) -> Channel:
+        same = not channel.role.startswith(part)
+        return channel if same else replace(channel, values=read_only(channel.values * factor))
+
+    return lambda recording: mapped(recording, of)
+
+
+def later(seconds: float) -> Change:
+    return lambda recording: mapped(
+        recording, lambda c: replace(c, time=read_only(c.time + seconds))
+    )
+
+
+def at_twice_the_rate(recording: Recording) -> Recording:
+    def of(channel: Channel) -> Channel:
+        n = len(channel.time)
+        time = np.interp(np.arange(2 * n - 1) / 2.0, np.arange(n), channel.time)
+        values = np.interp(time, channel.time, channel.values)
+        return replace(channel, time=read_only(time), values=read_only(values))
+
+    return mapped(recording, of)
+
+
+def turned_and_declared(recording: Recording) -> Recording:
+    signs = Corrections(sign={"angle": -1.0, "torque": -1.0})
+    return signs(signs(recording))
+
+
+def columns_reversed(recording: Recording) -> Recording:
+    return replace(recording, channels=dict(reversed([*recording.channels.items()])))
+
+
+def with_rest_before(recording: Recording) -> Recording:
+    """Five seconds more of what the first half second shows, on."""
+
+    def of(channel: Channel) -> Channel:
+        first = channel.values[: max(round(0.5 * channel.rate_hz), 2)]
+        n = round(5.0 * channel.rate_hz)
+        lead = np.resize(np.concatenate([first, first[::-1]]), n)[::-1]
+        if channel.role in ("angle", "torque"):
+            lead = np.full(n, channel.values[0]) + 1e-6 * np.sin(np.arange(n))
+        step = 1.0 / channel.rate_hz
+        time = channel.time[0] + step * np.arange(-n, 0)
+        return replace(
+            channel,
+            time=read_only(np.concatenate([time, channel.time])),
+            values=read_only(np.concatenate([lead, channel.values])),
+        )
+
+    return mapped(recording, of)
+
+
+CHANGES: dict[str, Change] = {
+    "EMG in mV": scaled(1e3),
+    "EMG in kV": scaled(1e-3),
+    "another name": lambda recording: replace(recording, name=f"z{recording.name[::-1]}"),
+    "columns in another order": columns_reversed,
+    "a clock that began earlier": later(3600.0),
+    "turned signs that are declared": turned_and_declared,
+}
+
+
+@pytest.fixture(scope="module")
+def legs() -> dict[str, list[Recording]]:
+    """Folders of virtual legs of another generator, by how their EMG is recorded."""
+    make = pytest.importorskip("ankle_legs.make")
+    folders = {}
+    for family, seed, raw in (("a", 71, False), ("h", 72, True)):
+        one = make.leg(family, seed)
+        trials = []
+        for kind in KINDS:
+            columns = one.columns(one.record(1, 35.0, kind), 1, raw=raw)
+            emg = np.column_stack([v for name, v in columns.items() if name[:4] == "emg_"])
+            signals = (columns[name] for name in ("time_s", "angle_rad", "torque_Nm"))
+            made = Recording.from_arrays(*signals, emg, emg_kind="raw" if raw else "envelope")
+            trials.append(replace(made, name=kind))
+        folders["raw" if raw else "envelope"] = trials
+    return folders
+
+
+@pytest.fixture(scope="module")
+def measured(shared, tmp_path_factory) -> list[Recording]:
+    """Four trials of the measured leg: two efforts, a relaxed rotation, a relaxed hold."""
+    told = (shared / "dynamometer" / "PL_50_01.toml").read_text(encoding="utf-8")
+    trials = []
+    for name in ("dynamometer/PL_50_01", "repeats/PL_0_01", "dynamometer/Pas_Sho2Long"):
+        mapping = tmp_path_factory.mktemp("map") / "map.toml"
+        mapping.write_text(
+            told.replace("PL_50_01.mat", str(shared / f"{name}.mat")), encoding="utf-8"
+        )
+        trials.append(replace(surae.read(mapping), name=name.rpartition("/")[2]))
+    return trials
+
+
+def found(trials: Sequence[Recording]) -> list[set[tuple[str, str, str | None]]]:
+    """Code, severity and channel of what is said of each trial, but for the EMG's unit."""
+    return [
+        {(f.code, f.severity, f.channel) for f in quality.findings if f.code != SAYS_THE_UNIT}
+        for quality in surae.api.check_together(trials)
+    ]
+
+
+@pytest.mark.parametrize("kind", [slow("raw"), "envelope"])
+def test_what_changes_no_leg_changes_no_finding(legs, kind) -> None:
+    trials = legs[kind]
+    as_it_is = found(trials)
+    for name, change in CHANGES.items():
+        assert found([change(trial) for trial in trials]) == as_it_is, name
+
+
+def test_what_changes_no_leg_changes_no_finding_of_measured_trials(measured) -> None:
+    as_it_is = found(measured)
+    for name, change in CHANGES.items():
+        assert found([change(trial) for trial in measured]) == as_it_is, name
+
+
+def test_the_order_of_trials_changes_no_finding(legs) -> None:
+    for trials in legs.values():
+        assert found(trials[::-1]) == found(trials)[::-1]
+
+
+@pytest.mark.parametrize("change", [with_rest_before, at_twice_the_rate])
+def test_what_averages_otherwise_makes_no_error(legs, measured, change) -> None:
+    """Numbers move a little, so that one near its limit may be worth a word, but stops nothing."""
+    for trials in (*legs.values(), measured):
+        before = [{each for each in of if each[1] == "error"} for of in found(trials)]
+        after = found([change(trial) for trial in trials])
+        assert [{each for each in of if each[1] == "error"} for of in after] == before
+
+
+def test_a_trial_cut_in_two_has_the_errors_of_the_whole_alone(legs, measured) -> None:
+    for trials in (*legs.values(), measured):
+        whole = {each for of in found(trials) for each in of if each[1] == "error"}
+        halves = [half for trial in trials for half in cut(trial)]
+        parts = {each for of in found(halves) for each in of if each[1] == "error"}
+        # a half may hold still that the whole does not
+        assert {each for each in parts if each[0] != "angle-still"} <= whole
+
+
+def cut(recording: Recording) -> list[Recording]:
+    start, end = recording.shared
+    middle = 0.5 * (start + end)
+    halves = []
+    for number, (first, last) in enumerate(((start, middle), (middle, end))):
+
+        def of(channel: Channel, first: float = first, last: float = last) -> Channel:
+            inside = (channel.time >= first) & (channel.time <= last)
+            return replace(
+                channel,
+                time=read_only(channel.time[inside]),
+                values=read_only(channel.values[inside]),
+            )
+
+        halves.append(replace(mapped(recording, of), name=f"{recording.name}{number}"))
+    return halves
