@@ -15,11 +15,10 @@ from pydantic import ValidationError
 import surae
 from surae.base.records import from_plain
 from surae.cli import group
-from surae.model import ModelOptions
 from surae.protocol import Protocol, generate
 from surae.quality import Quality
 from surae.recording import MUSCLES
-from surae.settings import FitSettings
+from surae.settings import FIT_RECORDS, FitSettings
 from surae.signals import Weighting
 from surae.studies import virtual_subject, virtual_trial
 from surae_workbench.web.draft import changed, empty_draft, settings_of
@@ -59,7 +58,11 @@ REACHED: dict[str, tuple[dict[str, Any], str, dict[str, Any]]] = {
         "--exclude :1 --weight 3:4:2 --weight-peaks 4 --peaks-of emg",
         {"weights": {"windows": [[None, 1, 0], [3, 4, 2]], "peaks": 4, "activity": "emg"}},
     ),
-    "loss": ({"loss": "tukey"}, "--loss tukey", {"loss": "tukey"}),
+    "loss": (
+        {"model": "muscle", "loss": "tukey"},
+        "--model muscle --loss tukey",
+        {"model": "muscle", "loss": "tukey"},
+    ),
     "normalise": ({"normalise": "session"}, "--normalise session", {"normalise": "session"}),
     "prepared": ({"prepared": True}, "--prepared", {"prepared": True}),
     "preparation": (
@@ -68,7 +71,11 @@ REACHED: dict[str, tuple[dict[str, Any], str, dict[str, Any]]] = {
         {"preparation": {"bessel_hz": 10, "emg_highpass_hz": False}},
     ),
     "nuisances": ({"nuisances": "none"}, "--nuisances none", {"nuisances": "none"}),
-    "starts": ({"starts": 3}, "--starts 3", {"starts": 3}),
+    "starts": (
+        {"model": "muscle", "starts": 3},
+        "--model muscle --starts 3",
+        {"model": "muscle", "starts": 3},
+    ),
     "seed": ({"seed": 5}, "--seed 5", {"seed": 5}),
     "geometry_of": (
         {"geometry": TABLE, "vmax_factor": 9.0, "geometry_of": "person"},
@@ -130,7 +137,8 @@ def asked(monkeypatch, name: str, call: Any) -> FitSettings:
 
 
 def test_every_field_is_here() -> None:
-    assert set(REACHED) == {field.name for field in fields(FitSettings)}
+    named = {field.name for kind in FIT_RECORDS[:-1] for field in fields(kind)}
+    assert set(REACHED) == named - {"estimator"}
 
 
 @pytest.mark.parametrize("name", REACHED)
@@ -176,7 +184,8 @@ def together(names: set[str]) -> tuple[dict[str, Any], list[str], dict[str, Any]
 
 
 def test_all_fields_at_once_are_one_request(trial, monkeypatch) -> None:
-    keywords, options, change = together(set(REACHED) - {"model", "prepared"})
+    of_named = {"model", "loss", "starts"}
+    keywords, options, change = together(set(REACHED) - {"prepared", *of_named})
     wanted = FitSettings.of(**keywords)
     command = ["fit", str(trial), *options]
     of_command = asked(
@@ -218,7 +227,7 @@ def test_all_three_write_the_same_fit(browser, trial, tmp_path, monkeypatch) -> 
 
 def test_help_and_completion_name_every_field() -> None:
     """Of `surae.fit`, and of what passes its keywords on."""
-    every = {f.name for kind in (FitSettings, ModelOptions) for f in fields(kind)} - {"model"}
+    every = {f.name for kind in FIT_RECORDS for f in fields(kind)} - {"model", "estimator"}
     for function in (surae.fit, surae.Session.fit, surae.Session.run):
         known = signature(function).parameters
         assert every <= known.keys(), function

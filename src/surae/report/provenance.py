@@ -128,7 +128,7 @@ def fit_settings(result: FitResult) -> list[tuple[str, str]]:
         name = _STAGES.get(stage.name, stage.name)
         capped = f"; {stage.capped} of its descents ended at a cap" if stage.capped else ""
         facts.append((f"Search {name}", f"{stage.evaluations} evaluations{capped}"))
-    for request in (problem.settings, problem.options):
+    for request in (problem.settings, problem.settings.estimator, problem.options):
         for each, record in settings_of(type(request)):
             value = getattr(request, each.name)
             if each.name not in _ELSEWHERE and value != default_of(each):
