@@ -13,8 +13,10 @@ import pytest
 from pydantic import ValidationError
 
 import surae
+from surae.base.errors import InputError
 from surae.base.records import from_plain
 from surae.cli import group
+from surae.estimators import LeastSquaresOptions
 from surae.protocol import Protocol, generate
 from surae.quality import Quality
 from surae.recording import MUSCLES
@@ -193,6 +195,68 @@ def test_all_fields_at_once_are_one_request(trial, monkeypatch) -> None:
     )
     assert of_command == of_draft(**change) == wanted
     assert from_plain(FitSettings, json.loads(json.dumps(wanted.as_dict()))) == wanted
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"starts": 3}, "starts has no effect with model auto"),
+        ({"model": "muscle", "nuisances": "none"}, "nuisances has no effect with model muscle"),
+        (
+            {"model": "muscle", "options": {"tendon_strain": "slack-length"}},
+            "tendon_strain has no effect with model muscle",
+        ),
+        (
+            {"model": "muscle", "knowledge": {"arm_tri_mm": {"value": 50.0, "sd": 3.0}}},
+            "knowledge: arm_tri_mm has no effect with model muscle",
+        ),
+    ],
+)
+def test_a_draft_refuses_what_its_model_does_not_read(change, says) -> None:
+    with pytest.raises(InputError, match=says):
+        of_draft(**change)
+
+
+def test_what_a_draft_has_of_another_model_waits_for_it() -> None:
+    known = {"arm_tri_mm": {"value": 50.0, "sd": 3.0}, "angle_zero_deg": {"value": 2.0, "sd": 1.0}}
+    draft = changed(empty_draft(), DraftChange(nuisances="none", knowledge=known).plain())
+    named = changed(draft, DraftChange(model="muscle").plain())
+    named = changed(named, DraftChange(starts=3).plain())
+    asked_of_it = settings_of(named, ["a"])
+    assert asked_of_it.estimator == LeastSquaresOptions(starts=3)
+    assert asked_of_it.knowledge.arm_tri_mm is None
+    assert asked_of_it.fixed == {"angle_zero": math.radians(2.0)}
+    again = settings_of(changed(named, DraftChange(model="auto").plain()), ["a"])
+    assert again == settings_of(draft, ["a"])
+    assert again.nuisances == "none"
+
+
+def test_a_command_refuses_what_its_model_does_not_read(trial, tmp_path) -> None:
+    (tmp_path / "session.toml").write_text("[knowledge]\naxis_mm = {value = 5.0, sd = 3.0}\n")
+    for options, says in (
+        ("--starts 7", "starts has no effect with model auto"),
+        ("--model muscle --nuisances none", "nuisances has no effect with model muscle"),
+        (
+            "--model muscle --integrator explicit-euler",
+            "integrator has no effect with model muscle",
+        ),
+        (
+            f"--model muscle --knowledge {tmp_path / 'session.toml'}",
+            "knowledge: axis_mm has no effect with model muscle",
+        ),
+    ):
+        with pytest.raises(InputError, match=says):
+            group.main(["fit", str(trial), *options.split()], standalone_mode=False)
+
+
+def test_a_session_refuses_what_its_model_does_not_read(trial, tmp_path) -> None:
+    (tmp_path / "one.csv").write_bytes(trial.read_bytes())
+    (tmp_path / "session.toml").write_text("[knowledge]\naxis_mm = {value = 5.0, sd = 3.0}\n")
+    session = surae.session(tmp_path)
+    assert session.with_knowledge(FitSettings()).knowledge.axis_mm is not None
+    for ask in (session.fit, session.run):
+        with pytest.raises(InputError, match="knowledge: axis_mm has no effect with model muscle"):
+            ask(model="muscle")
 
 
 @pytest.mark.slow
