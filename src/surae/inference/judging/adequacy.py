@@ -5,7 +5,7 @@ is one of a leg that did not move. From where on something matters was chosen on
 family.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from statistics import NormalDist
@@ -19,7 +19,7 @@ from surae.inference import FitResult
 from surae.inference.judging.fascicles import fascicles_of
 from surae.inference.judging.goodness import centred_r2, counted
 from surae.inference.judging.random_effects import farthest_apart
-from surae.inference.judging.reasons import Reason, against
+from surae.inference.judging.reasons import Reason, Scope, against
 from surae.inference.posterior.conflict import SAID
 from surae.inference.uncertainty.combined import Uncertainty
 from surae.model.joint import Joint
@@ -65,6 +65,8 @@ _SURE = 2.5
 #: Size of what no model has of the muscles' force, as a part of it, from which on it speaks against
 #: the numbers: of 142 fits of virtual legs 136 have at most 0.019, six at least 0.035.
 _UNEXPRESSED = 0.03
+#: Findings of which the torque at rest knows nothing.
+_OF_EMG = ("electrodes-swapped", "emg-unit")
 #: Below this cut-off [Hz] EMG is taken for what the muscle makes of it.
 _ACTIVATION_HZ = 2.0
 
@@ -86,6 +88,10 @@ class Adequacy:
     against: tuple[Reason, ...]  #: The gravest first; empty for an adequate fit.
     #: Centred R² over all recordings, 100·(1 − Σe²/Σ(T − T̄)²) [%]; NaN without a finite torque.
     r2: OrNaN
+
+    def doubt_of(self, rests_on: Collection[Scope]) -> Reason | None:
+        """The gravest doubt that touches a value that rests on these; None where none does."""
+        return next((reason for reason in self.against if reason.touches(rests_on)), None)
 
     @property
     def reasons(self) -> tuple[str, ...]:
@@ -139,7 +145,14 @@ def _not_as_stated(quality: Sequence[Quality]) -> Iterator[Reason]:
         for code in sorted(
             NOT_AS_STATED & {f.code for f in trial.findings if f.severity == "error"}
         ):
-            yield against("not-as-stated", grave="-unit" in code, trial=trial.recording, code=code)
+            scope = Scope.MUSCLES if code in _OF_EMG else Scope.ALL
+            yield against(
+                "not-as-stated",
+                grave="-unit" in code,
+                scope=scope,
+                trial=trial.recording,
+                code=code,
+            )
 
 
 def _range(inputs: Sequence[ModelInputs]) -> float:
@@ -166,7 +179,7 @@ def _effort(result: FitResult) -> Iterator[Reason]:
         muscle.upper() for muscle, weight, is_so in steady if is_so and weight in problem.free
     ]
     if silent:
-        yield against("emg-steady", muscles=", ".join(silent))
+        yield against("emg-steady", scope=Scope.MUSCLES, muscles=", ".join(silent))
 
 
 def _structure(
@@ -228,7 +241,8 @@ def _stated(result: FitResult) -> Iterator[Reason]:
     for group, probability in sorted(result.solution.contradicted.items()):
         label = result.problem.options.anatomy.worded(LABELS[group])
         if probability < RARE:
-            yield against("contradicted", grave=probability < _WRONG, label=label)
+            scope = Scope.MUSCLES if group == "crosstalk" else Scope.ALL
+            yield against("contradicted", grave=probability < _WRONG, scope=scope, label=label)
 
 
 def _agreement(result: FitResult, r2: float) -> Iterator[Reason]:
