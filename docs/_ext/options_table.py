@@ -30,7 +30,7 @@ class Tried:
 #: One trial or more of each option; of what has parts that differ, each part.
 TRIED = {
     "fixed": Tried({"fixed": {"m": 1.5}}),
-    "free": Tried({"free": ["emd"]}),
+    "free": Tried({"free": ["reflex"]}),
     "start": Tried({"start": {"m": 1.2}}, where="where the search begins (`starts`)"),
     "bounds": Tried({"bounds": {"m": (1.0, 6.0)}}),
     "priors": Tried({"priors": {"m": (2.0, 0.1)}}),

@@ -114,7 +114,7 @@ def fit_settings(result: FitResult) -> list[tuple[str, str]]:
     """What was fitted and how long it took, then every setting that is not its default."""
     problem = result.problem
     solution = result.solution
-    chosen = ", chosen by model auto" if solution.candidates else ""
+    chosen = ", chosen by model auto" if result.posterior is not None else ""
     facts = [
         ("Model", f"{problem.spec.title} ({problem.spec.name}){chosen}"),
         ("Samples and estimated parameters", f"{problem.n} and {len(problem.free)}"),

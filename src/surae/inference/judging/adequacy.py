@@ -205,13 +205,16 @@ def _bounds(result: FitResult) -> Iterator[Reason]:
 
 def _laboratory(result: FitResult) -> Iterator[Reason]:
     """A laboratory that is odder than laboratories are stands for what the model leaves out."""
-    own = result.solution.each
+    posterior = result.posterior
+    if posterior is None:
+        return
+    own = posterior.each
     joint = result.problem.options.anatomy
     meanings = {p.name: joint.worded(p.meaning) for p in result.problem.spec.parameters}
     stated = result.problem.settings.known
     odd = [
         f"{meanings[name]} ({name})"
-        for name, belief in result.solution.beliefs.items()
+        for name, belief in posterior.beliefs.items()
         if group_of(name) not in stated and _is_odd(own.get(name, (result.values[name],)), belief)
     ]
     if odd:
@@ -238,7 +241,8 @@ def _stated(result: FitResult) -> Iterator[Reason]:
             label = result.problem.options.anatomy.worded(LABELS[source])
             texts = made.texts
             yield against("disagree", label=label, first=texts[0], second=texts[1])
-    for group, probability in sorted(result.solution.contradicted.items()):
+    contradicted = {} if result.posterior is None else result.posterior.contradicted
+    for group, probability in sorted(contradicted.items()):
         label = result.problem.options.anatomy.worded(LABELS[group])
         if probability < RARE:
             scope = Scope.MUSCLES if group == "crosstalk" else Scope.ALL
@@ -254,7 +258,7 @@ def _agreement(result: FitResult, r2: float) -> Iterator[Reason]:
     inputs = result.problem.inputs
     residuals = result.residuals
     pairs = list(map(counted, inputs, residuals))
-    alone = result.solution.recordings
+    alone = () if result.posterior is None else result.posterior.recordings
     name, rare = farthest_apart(alone) if alone else ("", 1.0)
     if rare < SAID:
         yield against("not-one-leg", name=name)
@@ -284,10 +288,13 @@ def _films(result: FitResult) -> Iterator[Reason]:
 
 def _unlike(result: FitResult, odd: Sequence[Reason]) -> Iterator[Reason]:
     """What is told is to hold for the leg as it stays; an odd laboratory hides what muscles do."""
-    for trial, (size, sd) in zip(result.problem.inputs, result.solution.softening, strict=False):
+    posterior = result.posterior
+    if posterior is None:
+        return
+    for trial, (size, sd) in zip(result.problem.inputs, posterior.softening, strict=False):
         if size > max(_SOFTENS, _SURE * sd):
             yield against("softened", trial=trial.name, stiffer=100.0 * size)
-    if not odd and (left := result.solution.sizes.get("misfit", 0.0)) > _UNEXPRESSED:
+    if not odd and (left := posterior.sizes.get("misfit", 0.0)) > _UNEXPRESSED:
         yield against("no-model", part=100.0 * left)
 
 
