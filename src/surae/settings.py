@@ -401,7 +401,18 @@ class FitSettings(Request):
 
     @classmethod
     def type_of_merged(cls, plain: Mapping[str, Any]) -> type[EstimatorOptions]:
-        """Whose options a file's plain settings have; what older files say of others is nothing."""
+        """Say whose options a file's settings have; what older files say of others is nothing.
+
+        Parameters
+        ----------
+        plain : mapping
+            The settings as the file has them.
+
+        Returns
+        -------
+        type
+            Of `estimator`.
+        """
         return options_of(str(plain.get("model", names.AUTO)))
 
     def as_dict(self) -> dict[str, Any]:

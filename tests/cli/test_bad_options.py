@@ -71,6 +71,6 @@ def test_the_help_lists_every_model(run, command) -> None:
 
 def test_the_help_states_the_true_defaults(run) -> None:
     text = " ".join(run("fit", "--model", "muscle", "--help").out.split())
-    assert f"[default: {estimators.STARTS}] --seed" in text
+    assert f"--starts N Number of starts, of a named model. [default: {estimators.STARTS}]" in text
     assert "--seed N Seed of the random starts. [default: 0]" in text
     assert surae.FitSettings().seed == 0

@@ -90,7 +90,18 @@ class Adequacy:
     r2: OrNaN
 
     def doubt_of(self, rests_on: Collection[Scope]) -> Reason | None:
-        """The gravest doubt that touches a value that rests on these; None where none does."""
+        """Find what speaks against a value.
+
+        Parameters
+        ----------
+        rests_on : collection of Scope
+            What of the fit the value rests on (`scopes_of`); empty where that is not known.
+
+        Returns
+        -------
+        Reason or None
+            The gravest doubt that touches it.
+        """
         return next((reason for reason in self.against if reason.touches(rests_on)), None)
 
     @property
