@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 import surae
+from surae.estimators import STARTS
 from surae.inference import Verdict
 from surae.protocol import PROFILES, TASKS, Protocol, generate
-from surae.settings import STARTS
 from surae.studies import POPULATIONS, virtual_subject, virtual_trial
 
 #: An estimate counts as right when it lies within this part of the truth.

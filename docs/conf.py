@@ -31,6 +31,7 @@ exclude_patterns = [
     "images",
     "reproduction-table.md",
     "how-to/mapping-table.md",
+    "how-to/option-table.md",
     "how-to/quality-codes.md",
     "methods/constants-table.md",
     "methods/measure-table.md",

@@ -27,7 +27,7 @@ LAYERS = (
     ("model",),
     ("protocol",),
     ("quality",),
-    ("settings",),
+    ("settings", "effects", "estimators"),
     ("inference",),
     ("sampling", "nerve"),
     ("trials",),

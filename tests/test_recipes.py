@@ -227,7 +227,7 @@ def _brief(result: FitResult) -> Iterator[Reason]:
         ),
     ],
     "a verdict": [
-        ("inference/judging/parameter.py", '    FIXED = "fixed"', '    HEARSAY = "hearsay"\n'),
+        ("inference/judging/verdict.py", '    FIXED = "fixed"', '    HEARSAY = "hearsay"\n'),
         (
             "inference/judging/parameter.py",
             "    relative = half / abs(value) if value else np.inf",

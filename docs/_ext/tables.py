@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import constants
+import options_table
 import quality_table
 from sphinx.application import Sphinx
 
@@ -106,6 +107,7 @@ def write(app: Sphinx) -> None:
         "methods/constants-table.md": constants.tables(),
         "methods/prior-table.md": priors(),
         "how-to/mapping-table.md": mapping(),
+        "how-to/option-table.md": options_table.table(),
         "how-to/quality-codes.md": quality_table.table(),
         **{f"models/parameters-{name}.md": of_parameters(p) for name, p in PARAMETERS.items()},
     }

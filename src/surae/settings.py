@@ -12,6 +12,14 @@ from surae.base.formatting import check_known, listed
 from surae.base.frozen import FrozenDict
 from surae.base.setting import Request, documented, setting
 from surae.base.words import N_
+from surae.effects import check_estimator, check_knowledge, check_switches, differing
+from surae.estimators import (
+    EstimatorOptions,
+    LeastSquaresOptions,
+    PosteriorOptions,
+    names_of,
+    options_of,
+)
 from surae.model.knowledge import Knowledge
 from surae.model.knowledge_priors import groups_of, priors_of
 from surae.model.options import ModelOptions, with_files
@@ -20,27 +28,26 @@ if TYPE_CHECKING:  # what computes comes when it is needed: help reads the field
     from surae.recording import Recording
     from surae.signals import ModelInputs, Weighting
 
-#: Starts of a fit unless it says otherwise: the default start and seven random ones.
-STARTS = 8
 #: Standard deviation of an angle's zero [deg]: foot plates, malleoli and shoes are 3 to 5° off.
 _ZERO = 2.5
-#: More starts than these are slips of the keyboard.
-_MOST_STARTS = 10_000
-
 #: Fields that map names of parameters to something.
 _NAMED = ("fixed", "start", "bounds", "priors")
 _OPTIONS = tuple(option.name for option in fields(ModelOptions))
 
 
-@filed(types="surae.signals")
+@filed(types="surae.signals", merged="estimator")
 @documented
 @dataclass(frozen=True, slots=True)
 class FitSettings(Request):
     """The settings of a fit; `of` makes them from keywords.
 
+    What every fit is asked; `estimator` has what only that of its model is.
+
     Attributes
     ----------
     {settings}
+    estimator : LeastSquaresOptions or PosteriorOptions
+        Of a named model, or of ``"auto"``.
 
     Raises
     ------
@@ -129,15 +136,6 @@ class FitSettings(Request):
         "``Weighting(peaks=9)``; windows of weight 0 are left out.",
         type="Weighting, sequence of Weighting, or None",
     )
-    loss: str | None = setting(
-        None,
-        "Let outliers count less than their square; see `surae.inference.fit_robust`.",
-        choices=names.LOSSES,
-        help="How outliers count.  [default: squares]",
-        label=N_("Outliers"),
-        words={"": N_("count fully"), "huber": "Huber", "soft-l1": N_("soft L1"), "tukey": "Tukey"},
-        first=True,
-    )
     normalise: str | None = setting(
         None,
         "Divide EMG by one number for each muscle, so that weights g come out in N: by the "
@@ -167,37 +165,13 @@ class FitSettings(Request):
         metavar="VALUE",
         help="A setting of the preparation, e.g. bessel_hz=10; false: without it.",
     )
-    nuisances: str | Mapping[str, tuple[float, float]] = setting(
-        names.NUISANCES[0],
-        'What the laboratory cannot rule out, for ``model="auto"``; a mapping '
-        "gives other priors, mean and standard deviation, of groups or parameters, e.g. "
-        '``{"zero": (0.0, 1.0)}``.',
-        type='{"all", "none"} or mapping of str to (mean, sd)',
-        choices=names.NUISANCES,
-        needs=f"model={names.AUTO}",
-        first=True,
-        help="Imperfections of the laboratory that auto takes in.",
-        label=N_("Account for the laboratory’s imperfections"),
-        words={"all": N_("yes"), "none": N_("no")},
-    )
-    starts: int = setting(
-        STARTS,
-        "Number of starts; the first from the default, the others random within the bounds.",
-        least=1,
-        most=_MOST_STARTS,
-        help="Number of starts of a fit.",
-        label=N_("Starts"),
-    )
-    seed: int = setting(0, "Seed of the random starts.", least=0, label=N_("Seed"))
-    geometry_of: str = setting(
-        names.GEOMETRY_OF[0],
-        "Whose the table of `geometry` is: with the person's own, `auto` "
-        "holds moment arms and muscle lengths closer to it.",
-        choices=names.GEOMETRY_OF,
-        needs=f"model={names.AUTO}",
-        help="Whose geometry the file has; auto departs less from the person's own.",
-        label=N_("The geometry’s file is"),
-        words={"generic": N_("of a generic model"), "person": N_("of this person")},
+    seed: int = setting(
+        0,
+        "Seed of the random starts; of auto those of its simplest member, where one start "
+        "follows little of the torque.",
+        least=0,
+        help="Seed of the random starts.",
+        label=N_("Seed"),
     )
     angle_zero_sd: float | None = setting(
         None,
@@ -211,10 +185,13 @@ class FitSettings(Request):
         label=N_("Zero of the angle ± [°]"),
     )
 
+    #: Beside these settings, which are of every fit: by default those of the model's estimator.
+    estimator: EstimatorOptions = None  # type: ignore[assignment]
     knowledge: Knowledge | None = setting(
         None,
         "What was measured of leg and device beforehand, which becomes priors, the zero's "
-        "standard deviation and a geometry where these are not given: a ``session.toml``.",
+        "standard deviation and a geometry where these are not given: a ``session.toml``. A named "
+        "model has no priors of the laboratory, and takes the other parts alone.",
         type="path or Knowledge, or None",
         file=True,
         needs=f"model={names.AUTO}",
@@ -227,6 +204,13 @@ class FitSettings(Request):
         from surae.signals import Preparation
 
         Request.__post_init__(self)
+        own = options_of(self.model)
+        asked: Any = self.estimator
+        if asked is None:
+            object.__setattr__(self, "estimator", own())
+        elif not isinstance(asked, own):
+            given = type(asked).__name__
+            raise InputError(f"{given} has no effect with model {self.model}; give {own.__name__}")
         laboratory(self.beliefs)
         if self.geometry_of != names.GEOMETRY_OF[0] and isinstance(self.options.geometry, str):
             raise InputError("geometry_of has no effect without a geometry's file; give one")
@@ -263,20 +247,48 @@ class FitSettings(Request):
         Raises
         ------
         InputError
-            A keyword is unknown, or what it says is.
+            A keyword is unknown, or what it says is; or it has no effect on the model.
         """
         base = model if isinstance(model, FitSettings) else cls(model)
         given = {name: value for name, value in keywords.items() if value is not None}
+        known = (*_OPTIONS, *(f.name for f in fields(cls) if f.name != "estimator"), *names_of())
+        for name in given:
+            check_known("option", known, name)
+        check_estimator(base.model, given)
         options = given.pop("options", base.options)
         switches = with_files({n: given.pop(n) for n in _OPTIONS if n in given})
+        asked = {*switches, *(differing(options) if options is not base.options else ())}
         if "priors" in given:
             given |= _priors_of(given["priors"])
         if given.get("knowledge") is not None:
             given = _with_geometry(base, given, switches)
-        known = (*_OPTIONS, *(f.name for f in fields(cls)))
-        for name in given:
-            check_known("option", known, name)
-        return replace(base, **given, options=replace(options, **switches))
+        asked_of_it = {name: given.pop(name) for name in names_of() if name in given}
+        estimator = replace(base.estimator, **asked_of_it)
+        made = replace(base, **given, estimator=estimator, options=replace(options, **switches))
+        check_switches(made.model, asked, made.options, made.mentioned)
+        return made
+
+    @property
+    def starts(self) -> int | None:
+        """Starts of least squares; None of a posterior, which has its own."""
+        return getattr(self.estimator, "starts", None)
+
+    @property
+    def loss(self) -> str | None:
+        """How outliers count in least squares; None where each counts its square."""
+        return getattr(self.estimator, "loss", None)
+
+    @property
+    def nuisances(self) -> str | Mapping[str, tuple[float, float]]:
+        """What the laboratory cannot rule out; none where a named model is fitted."""
+        own = self.estimator
+        return own.nuisances if isinstance(own, PosteriorOptions) else names.NUISANCES[1]
+
+    @property
+    def geometry_of(self) -> str:
+        """Whose geometry a posterior holds lengths and arms to."""
+        own = self.estimator
+        return own.geometry_of if isinstance(own, PosteriorOptions) else names.GEOMETRY_OF[0]
 
     @property
     def zero_sd(self) -> float:
@@ -388,11 +400,31 @@ class FitSettings(Request):
         plate = None if self.knowledge is None else self.knowledge.plate
         return made if plate is None else without(plate, made)
 
+    @classmethod
+    def type_of_merged(cls, plain: Mapping[str, Any]) -> type[EstimatorOptions]:
+        """Say whose options a file's settings have; what older files say of others is nothing.
+
+        Parameters
+        ----------
+        plain : mapping
+            The settings as the file has them.
+
+        Returns
+        -------
+        type
+            Of `estimator`.
+        """
+        return options_of(str(plain.get("model", names.AUTO)))
+
     def as_dict(self) -> dict[str, Any]:
         """The settings as plain data, as FIT.json holds them."""
         from surae.base.records import to_plain
 
         return dict(to_plain(self))
+
+
+#: Records of all that a fit may be asked, by the names of their fields.
+FIT_RECORDS = (FitSettings, LeastSquaresOptions, PosteriorOptions, ModelOptions)
 
 
 def _with_geometry(
@@ -405,8 +437,10 @@ def _with_geometry(
     from surae.model.knowledge_file import knowledge_of
 
     known = knowledge_of(given["knowledge"])
+    check_knowledge(base.model, known)
     own = known.table is not None and base.options.geometry == ModelOptions().geometry
-    if own and switches.setdefault("geometry", known.table) is known.table:
+    own = own and switches.setdefault("geometry", known.table) is known.table
+    if own and base.model == names.AUTO:
         given.setdefault("geometry_of", known.geometry_of)
     return {**given, "knowledge": known}
 

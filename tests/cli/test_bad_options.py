@@ -6,7 +6,7 @@ import re
 import pytest
 
 import surae
-from surae import settings
+from surae import estimators
 from surae.base.errors import InputError
 from surae.cli.options import bare_name, entry, number, preparation, span, weighted_span
 from surae.model.registry import MODELS
@@ -71,6 +71,6 @@ def test_the_help_lists_every_model(run, command) -> None:
 
 def test_the_help_states_the_true_defaults(run) -> None:
     text = " ".join(run("fit", "--model", "muscle", "--help").out.split())
-    assert f"[default: {settings.STARTS}] --seed" in text
+    assert f"--starts N Number of starts, of a named model. [default: {estimators.STARTS}]" in text
     assert "--seed N Seed of the random starts. [default: 0]" in text
     assert surae.FitSettings().seed == 0

@@ -13,6 +13,7 @@ _MADE = (
     "docs/api/generated",
     "docs/models/parameters-",
     "docs/how-to/mapping-table",
+    "docs/how-to/option-table",
     "docs/how-to/quality-codes",
     "docs/methods/prior-table",
     "docs/methods/source-table",

@@ -7,8 +7,9 @@ import pytest
 
 from surae.base.errors import InputError
 from surae.inference import Verdict, assess, fit_problem, make_problem
-from surae.inference.judging.parameter import IDENTIFIED, judge_interval
+from surae.inference.judging.parameter import judge_interval
 from surae.inference.judging.validation import predict_others
+from surae.inference.judging.verdict import IDENTIFIED
 from surae.inference.least_squares.residuals import Residuals
 from surae.inference.uncertainty.covariance import half_width
 from surae.recording import SourceFile

@@ -1,9 +1,11 @@
 """A fit can be followed without being changed."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
-from surae.inference import fit_problem, fit_robust, make_problem
+from surae.inference import fit_problem, fit_robust, make_problem, solve
 
 
 @pytest.mark.parametrize("model", ["muscle", "muscle-tendon"])
@@ -34,3 +36,19 @@ def test_a_robust_fit_is_followed_too(noisy) -> None:
     told = []
     fit_robust(make_problem([noisy]), starts=1, follow=lambda *point: told.append(point[0].name))
     assert set(told) == {"muscle"}
+
+
+def test_a_posterior_is_followed_too_and_nothing_changes(noisy) -> None:
+    problem = make_problem([noisy], "auto")
+    told = []
+    followed = solve(problem, follow=lambda *point: told.append(point))
+    assert solve(problem).values == followed.values
+    assert len(told) > 10
+    for spec, values, cost in told:
+        assert len(values) == len(spec.names)
+        assert np.isfinite(cost)
+    spec, values, _ = told[-1]
+    found = dict(zip(spec.names, values.tolist(), strict=True))
+    assert found["k_tri"] == pytest.approx(followed.values["k_tri"], rel=0.05)
+    falls = [b < a for (s, _, a), (t, _, b) in pairwise(told) if s is t]
+    assert np.mean(falls) > 0.5  # a stage begins again at another −2 ln p

@@ -27,11 +27,13 @@ FULL = FitSettings.of(
     normalise="session",
     prepared=True,
     preparation={"bessel_hz": 10.0, "emg_lowpass_hz": False},
-    nuisances={"zero": [0.0, 1.0]},
     starts=3,
     seed=np.int64(7),
     tendon_strain="slack-length",
 )
+
+
+OF_AUTO = FitSettings.of(nuisances={"zero": [0.0, 1.0]}, free="reflex", seed=2)
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +42,9 @@ def trial():
     return virtual_trial(virtual_subject(1), motion)
 
 
-@pytest.mark.parametrize("settings", [FULL, FitSettings(), FitSettings.of(weights=Weighting())])
+@pytest.mark.parametrize(
+    "settings", [FULL, OF_AUTO, FitSettings(), FitSettings.of(weights=Weighting())]
+)
 def test_settings_survive_a_file(settings):
     plain = json.loads(json.dumps(settings.as_dict(), allow_nan=False))
     assert from_plain(FitSettings, plain) == settings
@@ -55,6 +59,7 @@ def test_keywords_stand_for_fields():
     assert FitSettings.of(free="emd").free == ("emd",)
     assert FitSettings.of(priors="patient").population == "patient"
     assert FitSettings.of(loss=None, starts=None) == FitSettings()
+    assert dict(OF_AUTO.nuisances) == {"zero": (0.0, 1.0)}
 
 
 def test_settings_given_whole_yield_to_keywords():
@@ -69,13 +74,13 @@ def test_settings_given_whole_yield_to_keywords():
     [
         ({"geometri": 1}, "option 'geometri' is not known"),
         ({"fixed": ["beta"]}, "give a mapping"),
-        ({"starts": 0}, "starts is 0; give at least 1"),
-        ({"starts": 2.5}, "whole number"),
+        ({"model": "muscle", "starts": 0}, "starts is 0; give at least 1"),
+        ({"model": "muscle", "starts": 2.5}, "whole number"),
         ({"nuisances": "some"}, "use one of: all, none, or a mapping"),
         ({"nuisances": {"magic": (0, 1)}}, "no 'magic'"),
         ({"nuisances": {"zero": 3.0}}, "give mean and sd"),
         ({"seed": -1}, "at least 0"),
-        ({"loss": "square"}, "loss is .square."),
+        ({"model": "muscle", "loss": "square"}, "loss is .square."),
         ({"normalise": "max"}, "normalise is 'max'"),
         ({"priors": "giants"}, "population is .giants."),
         ({"preparation": {"cutoff": 3}}, "setting 'cutoff' is not known"),

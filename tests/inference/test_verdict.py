@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from surae.inference.judging.parameter import Verdict, judge_interval
+from surae.inference.judging.parameter import judge_interval
+from surae.inference.judging.verdict import Verdict
 from surae.inference.uncertainty.covariance import Covariance
 
 

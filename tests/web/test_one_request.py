@@ -13,13 +13,14 @@ import pytest
 from pydantic import ValidationError
 
 import surae
+from surae.base.errors import InputError
 from surae.base.records import from_plain
 from surae.cli import group
-from surae.model import ModelOptions
+from surae.estimators import LeastSquaresOptions
 from surae.protocol import Protocol, generate
 from surae.quality import Quality
 from surae.recording import MUSCLES
-from surae.settings import FitSettings
+from surae.settings import FIT_RECORDS, FitSettings
 from surae.signals import Weighting
 from surae.studies import virtual_subject, virtual_trial
 from surae_workbench.web.draft import changed, empty_draft, settings_of
@@ -59,7 +60,11 @@ REACHED: dict[str, tuple[dict[str, Any], str, dict[str, Any]]] = {
         "--exclude :1 --weight 3:4:2 --weight-peaks 4 --peaks-of emg",
         {"weights": {"windows": [[None, 1, 0], [3, 4, 2]], "peaks": 4, "activity": "emg"}},
     ),
-    "loss": ({"loss": "tukey"}, "--loss tukey", {"loss": "tukey"}),
+    "loss": (
+        {"model": "muscle", "loss": "tukey"},
+        "--model muscle --loss tukey",
+        {"model": "muscle", "loss": "tukey"},
+    ),
     "normalise": ({"normalise": "session"}, "--normalise session", {"normalise": "session"}),
     "prepared": ({"prepared": True}, "--prepared", {"prepared": True}),
     "preparation": (
@@ -68,7 +73,11 @@ REACHED: dict[str, tuple[dict[str, Any], str, dict[str, Any]]] = {
         {"preparation": {"bessel_hz": 10, "emg_highpass_hz": False}},
     ),
     "nuisances": ({"nuisances": "none"}, "--nuisances none", {"nuisances": "none"}),
-    "starts": ({"starts": 3}, "--starts 3", {"starts": 3}),
+    "starts": (
+        {"model": "muscle", "starts": 3},
+        "--model muscle --starts 3",
+        {"model": "muscle", "starts": 3},
+    ),
     "seed": ({"seed": 5}, "--seed 5", {"seed": 5}),
     "geometry_of": (
         {"geometry": TABLE, "vmax_factor": 9.0, "geometry_of": "person"},
@@ -130,7 +139,8 @@ def asked(monkeypatch, name: str, call: Any) -> FitSettings:
 
 
 def test_every_field_is_here() -> None:
-    assert set(REACHED) == {field.name for field in fields(FitSettings)}
+    named = {field.name for kind in FIT_RECORDS[:-1] for field in fields(kind)}
+    assert set(REACHED) == named - {"estimator"}
 
 
 @pytest.mark.parametrize("name", REACHED)
@@ -176,7 +186,8 @@ def together(names: set[str]) -> tuple[dict[str, Any], list[str], dict[str, Any]
 
 
 def test_all_fields_at_once_are_one_request(trial, monkeypatch) -> None:
-    keywords, options, change = together(set(REACHED) - {"model", "prepared"})
+    of_named = {"model", "loss", "starts"}
+    keywords, options, change = together(set(REACHED) - {"prepared", *of_named})
     wanted = FitSettings.of(**keywords)
     command = ["fit", str(trial), *options]
     of_command = asked(
@@ -184,6 +195,68 @@ def test_all_fields_at_once_are_one_request(trial, monkeypatch) -> None:
     )
     assert of_command == of_draft(**change) == wanted
     assert from_plain(FitSettings, json.loads(json.dumps(wanted.as_dict()))) == wanted
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"starts": 3}, "starts has no effect with model auto"),
+        ({"model": "muscle", "nuisances": "none"}, "nuisances has no effect with model muscle"),
+        (
+            {"model": "muscle", "options": {"tendon_strain": "slack-length"}},
+            "tendon_strain has no effect with model muscle",
+        ),
+        (
+            {"model": "muscle", "knowledge": {"arm_tri_mm": {"value": 50.0, "sd": 3.0}}},
+            "knowledge: arm_tri_mm has no effect with model muscle",
+        ),
+    ],
+)
+def test_a_draft_refuses_what_its_model_does_not_read(change, says) -> None:
+    with pytest.raises(InputError, match=says):
+        of_draft(**change)
+
+
+def test_what_a_draft_has_of_another_model_waits_for_it() -> None:
+    known = {"arm_tri_mm": {"value": 50.0, "sd": 3.0}, "angle_zero_deg": {"value": 2.0, "sd": 1.0}}
+    draft = changed(empty_draft(), DraftChange(nuisances="none", knowledge=known).plain())
+    named = changed(draft, DraftChange(model="muscle").plain())
+    named = changed(named, DraftChange(starts=3).plain())
+    asked_of_it = settings_of(named, ["a"])
+    assert asked_of_it.estimator == LeastSquaresOptions(starts=3)
+    assert asked_of_it.knowledge.arm_tri_mm is None
+    assert asked_of_it.fixed == {"angle_zero": math.radians(2.0)}
+    again = settings_of(changed(named, DraftChange(model="auto").plain()), ["a"])
+    assert again == settings_of(draft, ["a"])
+    assert again.nuisances == "none"
+
+
+def test_a_command_refuses_what_its_model_does_not_read(trial, tmp_path) -> None:
+    (tmp_path / "session.toml").write_text("[knowledge]\naxis_mm = {value = 5.0, sd = 3.0}\n")
+    for options, says in (
+        ("--starts 7", "starts has no effect with model auto"),
+        ("--model muscle --nuisances none", "nuisances has no effect with model muscle"),
+        (
+            "--model muscle --integrator explicit-euler",
+            "integrator has no effect with model muscle",
+        ),
+        (
+            f"--model muscle --knowledge {tmp_path / 'session.toml'}",
+            "knowledge: axis_mm has no effect with model muscle",
+        ),
+    ):
+        with pytest.raises(InputError, match=says):
+            group.main(["fit", str(trial), *options.split()], standalone_mode=False)
+
+
+def test_a_session_refuses_what_its_model_does_not_read(trial, tmp_path) -> None:
+    (tmp_path / "one.csv").write_bytes(trial.read_bytes())
+    (tmp_path / "session.toml").write_text("[knowledge]\naxis_mm = {value = 5.0, sd = 3.0}\n")
+    session = surae.session(tmp_path)
+    assert session.with_knowledge(FitSettings()).knowledge.axis_mm is not None
+    for ask in (session.fit, session.run):
+        with pytest.raises(InputError, match="knowledge: axis_mm has no effect with model muscle"):
+            ask(model="muscle")
 
 
 @pytest.mark.slow
@@ -218,7 +291,7 @@ def test_all_three_write_the_same_fit(browser, trial, tmp_path, monkeypatch) -> 
 
 def test_help_and_completion_name_every_field() -> None:
     """Of `surae.fit`, and of what passes its keywords on."""
-    every = {f.name for kind in (FitSettings, ModelOptions) for f in fields(kind)} - {"model"}
+    every = {f.name for kind in FIT_RECORDS for f in fields(kind)} - {"model", "estimator"}
     for function in (surae.fit, surae.Session.fit, surae.Session.run):
         known = signature(function).parameters
         assert every <= known.keys(), function

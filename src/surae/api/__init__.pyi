@@ -47,6 +47,11 @@ from surae.base.formatting import significant as significant
 from surae.base.formatting import standard_error as standard_error
 from surae.cohorts.cohort import cohort as cohort
 from surae.cohorts.settings import CohortSettings as CohortSettings
+from surae.effects import check_estimator as check_estimator
+from surae.effects import check_knowledge as check_knowledge
+from surae.effects import check_switches as check_switches
+from surae.effects import differing as differing
+from surae.effects import without_priors as without_priors
 from surae.inference import Adequacy as Adequacy
 from surae.inference import Prediction as Prediction
 from surae.inference import make_problem as make_problem
@@ -165,6 +170,7 @@ from surae.report.traces import min_max as min_max
 from surae.report.trials import trial_words as trial_words
 from surae.sampling.settings import PosteriorSettings as PosteriorSettings
 from surae.sampling.settings import ProfileSettings as ProfileSettings
+from surae.settings import FIT_RECORDS as FIT_RECORDS
 from surae.settings import FitSettings as FitSettings
 from surae.signals import ModelInputs as ModelInputs
 from surae.signals import Preparation as Preparation

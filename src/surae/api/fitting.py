@@ -15,7 +15,6 @@ from surae.inference import make_problem, solve
 from surae.inference.judging.assessment import assess, outdated
 from surae.inference.least_squares.starts import Follow
 from surae.inference.saved.fit_json import load_saved
-from surae.model import ModelOptions
 from surae.model.kernel_cache import on_compilation
 from surae.model.laboratory import AUTO
 from surae.quality import Quality
@@ -23,7 +22,7 @@ from surae.quality.maximum import with_maximum
 from surae.quality.position import is_perturbed
 from surae.quality.used import used
 from surae.recording import Recording
-from surae.settings import FitSettings
+from surae.settings import FIT_RECORDS, FitSettings
 from surae.signals import ModelInputs
 from surae.signals.windows import parted, thinned
 
@@ -31,7 +30,7 @@ if TYPE_CHECKING:
     from surae.api.keywords import FitKeywords
 
 #: Has a function's ``**keywords`` stand for all settings of a fit.
-asks_as_fit = takes(FitSettings, ModelOptions, defaults=False)
+asks_as_fit = takes(*FIT_RECORDS, defaults=False)
 
 
 @asks_as_fit
@@ -70,7 +69,9 @@ def fit(
         Called after every start with (done, starts, best sum of squares). Without it and `follow`,
         a line of a terminal or notebook says how far it is.
     follow : callable, optional
-        Called with every better point on the way: (model, all its parameters, sum of squares).
+        Called with every better point on the way: (model, all its parameters, what is made small).
+        That is the sum of squares [Nm²]; of auto −2 ln p but for a constant, which is another one
+        at every stage of its search.
     {settings}
 
     Returns

@@ -240,6 +240,9 @@ def _record_in(kind: Any) -> Any:
         if form.strict and (other := next((key for key in value if key not in known), None)):
             near = nearest(str(other), known)
             raise ValueError(f"key {brief(other)} is not known{near}; use: {', '.join(known)}")
+        if form.merged:
+            inner = kind.type_of_merged(value)
+            value = {**value, form.merged: converter().structure(value, inner)}
         return read()({**dict.fromkeys(form.without & absent), **value}, kind)
 
     return structure
@@ -259,7 +262,12 @@ def _record_out(kind: Any) -> Any:
     }
     write = make_dict_unstructure_fn(kind, converter(), **named)
     derived = {name: file for name, file in form.names.items() if name not in own}
-    return lambda record: {
-        **write(record),
-        **{file: converter().unstructure(getattr(record, name)) for name, file in derived.items()},
-    }
+
+    def plain(record: Any) -> dict[str, Any]:
+        made = write(record)
+        for name, file in derived.items():
+            made[file] = converter().unstructure(getattr(record, name))
+        inner = made.pop(form.merged) if form.merged else {}
+        return {**made, **inner}
+
+    return plain

@@ -15,6 +15,7 @@ class Form:
     sparse: frozenset[str] = frozenset()
     types: str = ""
     strict: bool = False
+    merged: str = ""
     names: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -23,18 +24,24 @@ FORMS: dict[type, Form] = {}
 
 
 def filed(
-    *without: str, sparse: tuple[str, ...] = (), types: str = "", strict: bool = False, **names: str
+    *without: str,
+    sparse: tuple[str, ...] = (),
+    types: str = "",
+    strict: bool = False,
+    merged: str = "",
+    **names: str,
 ) -> Callable[[type[T]], type[T]]:
     """Say how files have a record.
 
     Fields `without` are not written, and read as their default or None; `sparse` ones are written
     only where they are not their default; `names` are what files call a field, or a property that
     is written too. `types` is the module of types that are imported for type checkers alone. Of a
-    `strict` one other keys are refused.
+    `strict` one other keys are refused. The fields of the record that is `merged` stand among its
+    own; its type is what the class method `type_of_merged` says of the plain data.
     """
 
     def noted(kind: Any) -> Any:
-        FORMS[kind] = Form(frozenset(without), frozenset(sparse), types, strict, names)
+        FORMS[kind] = Form(frozenset(without), frozenset(sparse), types, strict, merged, names)
         return kind
 
     return noted

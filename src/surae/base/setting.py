@@ -36,7 +36,8 @@ class Setting:
     least: float | None = None  #: The smallest number, of all that it holds.
     above: float | None = None  #: All numbers are larger.
     most: float | None = None  #: The largest number.
-    needs: str = ""  #: NAME=VALUE: a form shows it where another setting has this value.
+    #: NAME=VALUE or NAME!=VALUE: a form shows it where another setting has, or has not, this value.
+    needs: str = ""
     file: bool = False  #: Whether the path of a file may be given in place of a choice.
     first: bool = False  #: Whether a form shows it at once, not among what few people change.
 

@@ -19,7 +19,7 @@ from surae.cli.screen import show_files, show_fit
 @click.argument("recordings", metavar="REC…", nargs=-1, required=True)
 @MAPPING
 @corrections
-@settings_options(api.FitSettings, api.ModelOptions)
+@settings_options(*api.FIT_RECORDS)
 @click.option(
     "--mvc",
     multiple=True,

@@ -25,7 +25,7 @@ from surae.cli.screen import show_files, show_line, show_table
 @click.argument("recordings", metavar="FILES|DIR", nargs=-1, required=True)
 @MAPPING
 @corrections
-@settings_options(api.FitSettings, api.ModelOptions)
+@settings_options(*api.FIT_RECORDS)
 @click.option("--output", required=True, metavar="OUT/", help="Folder of the fits and the report.")
 @click.option("--report", metavar="R.pdf", help="Write the report here too: HTML or PDF.")
 @LANGUAGE

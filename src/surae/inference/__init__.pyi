@@ -12,10 +12,10 @@ from surae.inference.judging.goodness import vaf as vaf
 from surae.inference.judging.goodness import whiteness as whiteness
 from surae.inference.judging.parameter import Interval as Interval
 from surae.inference.judging.parameter import ParameterEstimate as ParameterEstimate
-from surae.inference.judging.parameter import Verdict as Verdict
 from surae.inference.judging.reasons import Reason as Reason
 from surae.inference.judging.validation import Prediction as Prediction
 from surae.inference.judging.validation import pooled as pooled
+from surae.inference.judging.verdict import Verdict as Verdict
 from surae.inference.least_squares.fit import fit_problem as fit_problem
 from surae.inference.least_squares.minimise import minimise as minimise
 from surae.inference.least_squares.outliers import LOSSES as LOSSES

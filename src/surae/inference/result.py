@@ -116,20 +116,12 @@ class LeastSquares(_Solution):
     """A named model's least squares: of the laboratory nothing is asked and nothing said."""
 
     outliers: Outliers | None = None  #: How outliers were let count less; None where all count.
-    #: `candidates`, `beliefs`, `each`, `spread`, `population`, `recordings`, `contradicted`: what
-    #: a posterior has (`PosteriorMode`), and least squares have none of.
-    candidates: ClassVar[tuple[Candidate, ...]] = ()
+    #: What intervals and measures of both kinds are made with; what else a posterior has is in
+    #: `FitResult.posterior`.
     beliefs: ClassVar[Mapping[str, Gaussian]] = FrozenDict()
-    each: ClassVar[Mapping[str, tuple[float, ...]]] = FrozenDict()
-    spread: ClassVar[Mapping[str, FloatArray]] = FrozenDict()
-    population: ClassVar[Mapping[str, Gaussian]] = FrozenDict()
-    recordings: ClassVar[tuple[OfRecording, ...]] = ()
-    contradicted: ClassVar[Mapping[str, float]] = FrozenDict()
     gained: ClassVar[tuple[float, ...]] = (1.0, 1.0)
     zero_wider: ClassVar[float] = 1.0
     turned: ClassVar[Mapping[str, float]] = FrozenDict()
-    softening: ClassVar[tuple[tuple[float, float], ...]] = ()
-    sizes: ClassVar[Mapping[str, float]] = FrozenDict()
     #: Parameters that may lie at their lower bound without being held by it.
     may_vanish: ClassVar[tuple[str, ...]] = ()
 
@@ -205,6 +197,11 @@ class FitResult(Comparable):
     seed: int  #: Seed of the random starts.
     seconds: float  #: Wall time.
     versions: Mapping[str, str]  #: Versions of surae and of what its numbers depend on.
+
+    @property
+    def posterior(self) -> PosteriorMode | None:
+        """How the family's mode was found; None of a named model's least squares."""
+        return self.solution if isinstance(self.solution, PosteriorMode) else None
 
     @property
     def at_bound(self) -> tuple[str, ...]:

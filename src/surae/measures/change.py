@@ -35,7 +35,6 @@ from surae.base.normal import Student
 from surae.base.records import Saved
 from surae.base.tables import Tabular, TextTable
 from surae.base.words import Message
-from surae.inference.judging.adequacy import Grade
 from surae.inference.judging.parameter import percent
 from surae.measures.compared import Quantities, Quantity
 from surae.measures.table import LEADING
@@ -192,33 +191,41 @@ def compare_sessions(
         )
         for name in names
     }
-    weights = _weights([name for name, (draft, _) in drafts.items() if draft.p is not None])
     judged = {name: draft for name, (draft, _) in drafts.items()}
-    multiplicity = Message("change/holm", n=len(weights))
-    if withheld := _doubt(before, after, legs=legs):
-        multiplicity = Message("change/none-judged", why=withheld)
-        for name in weights:
-            note = Message("change/no-verdict", why=withheld)
+    compared = [name for name, draft in judged.items() if draft.p is not None]
+    doubts = {name: _doubt(name, before, after, legs=legs) for name in compared}
+    for name, why in doubts.items():
+        if why is not None:
+            note = Message("change/no-verdict", why=why)
             judged[name] = replace(judged[name], p=None, note=note)
-    else:
-        adjusted = holm({name: drafts[name][0].p or 0.0 for name in weights}, weights)
-        for name, p in adjusted.items():
-            judged[name] = _judged(*drafts[name], p, LEVEL * weights[name], legs=legs)
+    weights = _weights([name for name, why in doubts.items() if why is None])
+    adjusted = holm({name: drafts[name][0].p or 0.0 for name in weights}, weights)
+    for name, p in adjusted.items():
+        judged[name] = _judged(*drafts[name], p, LEVEL * weights[name], legs=legs)
+    multiplicity = Message("change/holm", n=len(weights))
+    withheld = next(iter(doubts.values()), None) if not weights else None
+    if withheld is not None:
+        multiplicity = Message("change/none-judged", why=withheld)
     measures, parameters = (
         FrozenDict((n, d) for n, d in judged.items() if d.kind == kind)
         for kind in ("measure", "parameter")
     )
     repeated = len(baselines) + 1 if baselines else 0
-    return Change(before, after, measures, parameters, multiplicity, repeated, legs, bool(withheld))
+    return Change(
+        before, after, measures, parameters, multiplicity, repeated, legs, withheld is not None
+    )
 
 
-def _doubt(before: Quantities, after: Quantities, *, legs: bool) -> Message | None:
-    """Which fits are doubtful: of unchanged pairs of a leg, such called one in four changed."""
+def _doubt(name: str, before: Quantities, after: Quantities, *, legs: bool) -> Message | None:
+    """Which fits are doubtful of it: of unchanged pairs of a leg, such called one in four changed.
+
+    A doubt that does not touch a value does not withhold its change.
+    """
     places = ("first", "second") if legs else ("before", "after")
     doubtful = [
-        Message(f"change/doubtful/{place}", reason=side.adequacy.reasons[0])
+        Message(f"change/doubtful/{place}", reason=str(doubt))
         for place, side in zip(places, (before, after), strict=True)
-        if side.adequacy.grade is Grade.DOUBTFUL
+        if (doubt := side.adequacy.doubt_of(side.by_name[name].rests_on))
     ]
     if len(doubtful) < 2:
         return doubtful[0] if doubtful else None

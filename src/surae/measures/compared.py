@@ -12,7 +12,8 @@ from surae.base.normal import standard_error_of
 from surae.base.records import OrNaN
 from surae.base.words import Message
 from surae.inference import Adequacy, AssessedFit, FitResult, Grade
-from surae.measures.compute import ANGLES, extrapolated, judged_measures, points
+from surae.inference.judging.reasons import Scope, scopes_of
+from surae.measures.compute import ANGLES, extrapolated, judged_measures, points, rests_on
 from surae.measures.leg import leg_of
 from surae.measures.table import ELECTRODES, LEADING
 from surae.model.laboratory import group_of
@@ -48,6 +49,7 @@ class Quantity:
     to_deg: float | None = None
     #: Whether it can be pooled with other legs although no two sessions are compared by it.
     is_comparable_between_legs: bool = False
+    rests_on: tuple[Scope, ...] = ()  #: What of the fit touches it; empty where all does.
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,6 +126,7 @@ def quantities(
             from_deg=m.from_deg,
             to_deg=m.to_deg,
             is_comparable_between_legs=between,
+            rests_on=tuple(sorted(rests_on(evaluated, fit))),
         )
     for name in known.names if not only else ():
         if group_of(name) is not None or name not in assessment.parameters:
@@ -149,6 +152,7 @@ def quantities(
             inadequate or why,
             p.at_bound,
             (p.lower, p.upper),
+            rests_on=tuple(sorted(scopes_of([(name, p.group, 1.0)]))),
         )
     options = {n: v for n, v in problem.options.as_dict().items() if n != "emg_ref"}
     return Quantities(

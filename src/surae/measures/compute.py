@@ -9,12 +9,15 @@ import numpy as np
 
 from surae.base.errors import ComputationError, InputError
 from surae.base.frozen import FrozenDict
+from surae.base.normal import NORMAL
 from surae.base.plugins import plugins
 from surae.base.setting import is_number
 from surae.base.units import FloatArray
 from surae.base.words import Message
-from surae.inference import AssessedFit, FitResult, Grade, Verdict
-from surae.inference.judging.parameter import IDENTIFIED, percent
+from surae.inference import AssessedFit, FitResult, Verdict
+from surae.inference.judging.parameter import percent
+from surae.inference.judging.reasons import Scope, scopes_of
+from surae.inference.judging.verdict import ANGLE, PART, verdict_of
 from surae.inference.uncertainty.combined import Uncertainty
 from surae.measures.leg import Leg, NotDefinedError, leg_of, measured_range
 from surae.measures.measure import Measure, Measures
@@ -34,9 +37,6 @@ _BENT = 0.25
 _LACKING = 0.02
 #: Step of a derivative: of a logarithm, and of other parameters as a part of value or range.
 _STEP = 1e-3
-#: Half-width up to which an angle is identified, and above which it is undetermined [deg].
-_ANGLE = 2.0
-_ANY_ANGLE = 20.0
 #: Degrees beyond the measured range that still count as measured.
 _BEYOND = 0.5
 #: Part of the variance that comes through a parameter at its bound, from which that is reported.
@@ -262,27 +262,42 @@ def _judge(
     """Verdict and sentence of a measure that has an interval."""
     assert evaluated.value is not None
     half = max(ci95[1] - evaluated.value, evaluated.value - ci95[0])
-    if evaluated.point.definition.is_angle:
-        relative = IDENTIFIED * half / _ANGLE
-        wide = half > _ANY_ANGLE
-        known = Message("{half:.2g}°", half=half)
-    else:
-        relative = half / abs(evaluated.value) if evaluated.value else math.inf
-        wide = relative > 1.0
-        known = percent(relative)
-    if wide:
-        return Verdict.UNDETERMINED, Message("note/as-wide")
-    adequacy = fit.assessment.adequacy
-    if adequacy.grade is not Grade.ADEQUATE:
-        doubt = f"measure/{adequacy.grade}"
-        return Verdict.WEAK, Message(doubt, known=known, reason=adequacy.reasons[0])
-    if beyond := extrapolated(evaluated, fit.result):
-        return Verdict.WEAK, Message("measure/beyond", beyond=beyond, known=known)
-    if bound := _through_bound(evaluated, fit.assessment.uncertainty):
-        return Verdict.WEAK, Message("measure/bound", names=bound)
-    if relative <= IDENTIFIED:
-        return Verdict.IDENTIFIED, Message("note/known", percent=known)
-    return Verdict.WEAK, Message("note/known-only", percent=known)
+    kind = ANGLE if evaluated.point.definition.is_angle else PART
+    doubt = fit.assessment.adequacy.doubt_of(rests_on(evaluated, fit))
+    beyond = extrapolated(evaluated, fit.result)
+    bound = _through_bound(evaluated, fit.assessment.uncertainty)
+    verdict = verdict_of(
+        evaluated.value,
+        half,
+        kind,
+        doubted=doubt is not None,
+        assumed=beyond is not None or bool(bound),
+    )
+    if verdict is Verdict.UNDETERMINED:
+        return verdict, Message("note/as-wide")
+    known = Message("{half:.2g}°", half=half)
+    if kind is PART:
+        known = percent(half / abs(evaluated.value))
+    if doubt is not None:
+        grade = fit.assessment.adequacy.grade
+        return verdict, Message(f"measure/{grade}", known=known, reason=str(doubt))
+    if beyond:
+        return verdict, Message("measure/beyond", beyond=beyond, known=known)
+    if bound:
+        return verdict, Message("measure/bound", names=bound)
+    code = "note/known" if verdict is Verdict.IDENTIFIED else "note/known-only"
+    return verdict, Message(code, percent=known)
+
+
+def rests_on(evaluated: Evaluated, fit: AssessedFit) -> frozenset[Scope]:
+    """What of the fit a measure rests on: the parameters that matter to its interval."""
+    known = fit.assessment.uncertainty
+    whole = known.half_width(evaluated.gradient) / NORMAL
+    each = np.abs(evaluated.gradient) * np.sqrt(np.diag(known.covariance()))
+    parts = (each / whole if whole > 0.0 else each).tolist()
+    groups = {p.name: p.group for p in fit.result.problem.spec.parameters}
+    pairs = zip(known.names, parts, strict=True)
+    return scopes_of((name, groups.get(name, ""), part) for name, part in pairs)
 
 
 def extrapolated(evaluated: Evaluated, result: FitResult) -> Message | None:

@@ -9,7 +9,8 @@ import numpy as np
 from surae.base.units import FloatArray
 from surae.base.words import Message
 from surae.inference import Grade, Verdict
-from surae.inference.judging.parameter import IDENTIFIED, percent
+from surae.inference.judging.parameter import percent
+from surae.inference.judging.verdict import ANGLE, PART, verdict_of
 from surae.inference.relaxed.basis import Basis
 from surae.inference.relaxed.curve import (
     BEYOND,
@@ -43,9 +44,6 @@ _RELAXED = 10.0
 #: friction, a velocity), one standard deviation: set on 42 virtual legs of another author.
 _SHARE_LEFT_OUT = 0.2
 _LOOP_LEFT_OUT = 0.3
-#: Half-width up to which an angle is known, and above which it is not [deg].
-_ANGLE = 2.0
-_ANY_ANGLE = 20.0
 #: Part of the possible legs that has to reach a torque for a range at it.
 _REACHING = 0.95
 #: Ends of 95 % and the middle.
@@ -355,20 +353,13 @@ def _judged(
     value: float, ci95: tuple[float, float], unit: str, curve: RelaxedCurve
 ) -> tuple[Verdict, Message]:
     half = max(ci95[1] - value, value - ci95[0])
-    if unit == "deg":
-        relative = IDENTIFIED * half / _ANGLE
-        wide = half > _ANY_ANGLE
-        known = Message("{half:.2g}°", half=half)
-    else:
-        relative = half / abs(value) if value else np.inf
-        wide = relative > 1.0
-        known = percent(relative)
-    if wide:
-        return Verdict.UNDETERMINED, Message("note/as-wide")
-    if curve.grade is not Grade.ADEQUATE:
-        return Verdict.WEAK, Message(
-            f"measure/{curve.grade}", known=known, reason=curve.findings[0]
-        )
-    if relative <= IDENTIFIED:
-        return Verdict.IDENTIFIED, Message("note/known", percent=known)
-    return Verdict.WEAK, Message("note/known-only", percent=known)
+    doubted = curve.grade is not Grade.ADEQUATE
+    verdict = verdict_of(value, half, ANGLE if unit == "deg" else PART, doubted=doubted)
+    if verdict is Verdict.UNDETERMINED:
+        return verdict, Message("note/as-wide")
+    known = Message("{half:.2g}°", half=half) if unit == "deg" else percent(half / abs(value))
+    if doubted:
+        return verdict, Message(f"measure/{curve.grade}", known=known, reason=curve.findings[0])
+    if verdict is Verdict.IDENTIFIED:
+        return verdict, Message("note/known", percent=known)
+    return verdict, Message("note/known-only", percent=known)

@@ -12,6 +12,7 @@ from surae.base.formatting import NO_NUMBER, of_interval
 from surae.base.progress import Progress
 from surae.base.records import Saved, read_json, to_plain
 from surae.base.tables import Tabular, TextTable
+from surae.inference.judging.verdict import Verdict
 from surae.nerve.impedance import NerveMeasure, number_of, perturbed
 from surae.nerve.judged import Number
 from surae.nerve.made import USUAL, perturbed_leg, stretched_leg
@@ -221,7 +222,11 @@ def _of_stretches(
         change = told.smallest_detectable_change["neural_Nm"]
         if change is not None:
             measures["neural_torque_change"] = NerveMeasure(
-                change, "Nm", (change, change), "undetermined", "smallest that would be detected"
+                change,
+                "Nm",
+                (change, change),
+                Verdict.UNDETERMINED,
+                "smallest that would be detected",
             )
         sure = [np.ptp(t.ci95) / 2.0 for t in told.threshold.values() if t.ci95 is not None]
         measures["threshold"] = _measure(
@@ -231,7 +236,7 @@ def _of_stretches(
 
 
 def _measure(value: float, half: float, unit: str, note: str) -> NerveMeasure:
-    verdict: Any = "weak" if half < np.inf else "undetermined"
+    verdict = Verdict.WEAK if half < np.inf else Verdict.UNDETERMINED
     return NerveMeasure(value, unit, (value - half, value + half), verdict, note)
 
 

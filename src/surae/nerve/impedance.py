@@ -11,6 +11,7 @@ from surae.base.frozen import Comparable, FrozenDict, freeze
 from surae.base.records import FileName
 from surae.base.units import FloatArray
 from surae.base.words import N_, Message
+from surae.inference.judging.verdict import OF_REFLEX, PART, Verdict, verdict_of
 from surae.nerve.cascade import BOUNDS, muscle
 from surae.nerve.fitting import Fitted, Problem, noise_of
 from surae.nerve.identify import CHANGING, Cascade, identify
@@ -32,10 +33,6 @@ BEHIND = 0.15
 #: Latenesses of the torque [s] that are tried beyond those that are estimated (± 8 ms), where it
 #: would else be of the other sign.
 LATER = (0.016, 0.03)
-#: Half-widths of intervals, as parts of the value, up to which it is identified and weak.
-IDENTIFIED = 0.1
-WEAK = 1.0
-
 #: Why no number of a reflex is identified, however narrow its interval.
 ONE_LAW = Message(
     N_("of a reflex to velocity, to velocity and length or to force; another law may give another")
@@ -62,7 +59,7 @@ class NerveMeasure:
     value: float | None  #: None where there is none, and `note` says why.
     unit: str  #: Of the value.
     ci95: tuple[float, float]  #: 95 % interval, the structure's uncertainty included.
-    verdict: Literal["identified", "weak", "undetermined"]
+    verdict: Verdict  #: identified, weak or undetermined.
     note: str = ""  #: What to know of it.
 
 
@@ -135,15 +132,10 @@ def number_of(
     """A measure of an estimate; of none the ends that it may lie between."""
     unit, _ = MEASURES[name]
     if number is None:
-        return NerveMeasure(None, unit, ends, "undetermined", note)
+        return NerveMeasure(None, unit, ends, Verdict.UNDETERMINED, note)
     half = 0.5 * (number.high - number.low)
-    size = abs(number.value)
-    verdict: Literal["identified", "weak", "undetermined"] = "undetermined"
-    if half <= WEAK * size:
-        verdict = "identified" if half <= IDENTIFIED * size else "weak"
-    if verdict == "identified" and name.startswith("reflex_"):
-        # On legs of other kinds a gain, a share and three delays were falsely sure (counts.md).
-        verdict = "weak"
+    verdict = verdict_of(number.value, half, OF_REFLEX if name.startswith("reflex_") else PART)
+    if verdict is Verdict.WEAK and verdict_of(number.value, half) is Verdict.IDENTIFIED:
         note = note or ONE_LAW
     return NerveMeasure(number.value, unit, (number.low, number.high), verdict, note)
 

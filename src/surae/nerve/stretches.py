@@ -15,6 +15,7 @@ from surae.base.records import Saved
 from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
 from surae.base.words import N_, Message
+from surae.inference.judging.verdict import THRESHOLD, Verdict, verdict_of
 from surae.nerve.impedance import DIRECTIONS
 from surae.nerve.parts import FAST, LATE, NOT_YET, Parts, TissueTorque
 from surae.nerve.ramps import RampSpan, Stretched, low, onset, stretched
@@ -28,10 +29,9 @@ ALIKE = 0.15
 #: stretch's torque, from which one without EMG is probably neural.
 RISES = 2.0
 LEAST_PART = 0.05
-#: Onsets and half-width [deg] up to which a threshold is weak. None is identified: of fresh legs 76
-#: of 88 narrow ones held (counts.md), since a line over velocity is assumed.
+#: Onsets of a threshold. None is identified (`verdict.THRESHOLD`): of fresh legs 76 of 88 narrow
+#: ones held (counts.md), since a line over velocity is assumed.
 LEAST_ONSETS = 4
-WEAK = 10.0
 #: Stretches with EMG that goes on for too long after the stop, from which all may have such.
 WILLING = 2
 #: Least spread of velocities at onset [rad/s], and error of one onset's angle in all of them [deg].
@@ -72,7 +72,7 @@ class StretchThreshold:
 
     angle_deg: float | None  #: None where there are too few onsets.
     ci95: tuple[float, float] | None  #: 95 % interval.
-    verdict: Literal["weak", "undetermined"]  #: By the width of the interval.
+    verdict: Verdict  #: weak or undetermined, by the width of the interval.
     note: str  #: Of how many onsets.
 
 
@@ -245,7 +245,7 @@ def answers(recordings: Sequence[Recording]) -> Stretches:
     )
     if willing:
         note = Message(N_("EMG goes on after the stop: onsets may be by will"))
-        by_will = StretchThreshold(None, None, "undetermined", note)
+        by_will = StretchThreshold(None, None, Verdict.UNDETERMINED, note)
         thresholds = dict.fromkeys(sorted(largest), by_will)
     else:
         thresholds = {m: _threshold(m, every, ramps, onsets, group) for m in sorted(largest)}
@@ -373,7 +373,7 @@ def _threshold(
         points = np.array([(of.velocity[at], of.angle[at]) for of, at in then])
         if n < LEAST_ONSETS or np.ptp(points[:, 0]) < SPREAD:
             note = Message(N_("onsets: {n}, at too few speeds; repeat fast stretches"), n=str(n))
-            return StretchThreshold(None, None, "undetermined", note)
+            return StretchThreshold(None, None, Verdict.UNDETERMINED, note)
         lines.append(_line(points, ends, sign))
         if late == LATENCIES[0]:
             apart = _apart(points, ends, sign, np.array(of_seen), np.array(of_ended, int))
@@ -381,7 +381,7 @@ def _threshold(
     halves = [float(np.hypot(half, apart)) for _, half in lines]
     low = min(a - h for (a, _), h in zip(lines, halves, strict=True))
     high = max(a + h for (a, _), h in zip(lines, halves, strict=True))
-    verdict: Literal["weak", "undetermined"] = "weak" if high - low < 2.0 * WEAK else "undetermined"
+    verdict = verdict_of(angle, 0.5 * (high - low), THRESHOLD)
     note = Message(
         N_("onsets: {n}; stretches without: {m}; a line over velocity is assumed"),
         n=str(n),

@@ -15,7 +15,8 @@ from surae.base.tables import Tabular, TextTable
 from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
 from surae.base.words import Message
-from surae.inference.judging.parameter import IDENTIFIED, Verdict, judge_interval, judge_singular
+from surae.inference.judging.parameter import judge_interval, judge_singular
+from surae.inference.judging.verdict import IDENTIFIED, Verdict
 from surae.inference.uncertainty.covariance import Covariance, half_width
 from surae.model import adapted
 from surae.model.joint import ANKLE

@@ -17,7 +17,8 @@ from surae.base.units import FloatArray
 from surae.base.words import Message
 from surae.inference import AssessedFit, Assessment
 from surae.inference.judging.adequacy import Grade
-from surae.inference.judging.parameter import IDENTIFIED, Verdict, percent
+from surae.inference.judging.parameter import percent
+from surae.inference.judging.verdict import IDENTIFIED, Verdict
 from surae.inference.uncertainty.covariance import half_width
 from surae.planning.information import estimated, information, shared
 from surae.planning.legs import Legs

@@ -20,7 +20,7 @@ from surae.base.tables import Tabular, TextTable
 from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
 from surae.base.words import Message
-from surae.inference.judging.parameter import IDENTIFIED
+from surae.inference.judging.verdict import IDENTIFIED
 from surae.inference.posterior.laplace import DYNAMICS, ORDER
 from surae.model.knowledge import GEOMETRY_SD, Knowledge, Plate
 from surae.model.knowledge_priors import priors_of

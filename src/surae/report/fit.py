@@ -7,7 +7,8 @@ import numpy as np
 
 from surae.base.formatting import NO_NUMBER, estimate, percentage, short, significant
 from surae.inference import AssessedFit, Assessment, Interval, Prediction, Verdict
-from surae.inference.judging.parameter import IDENTIFIED, percent
+from surae.inference.judging.parameter import percent
+from surae.inference.judging.verdict import IDENTIFIED
 from surae.model import GeometryTable
 from surae.report import block
 from surae.report.budget import NEXT, BudgetTable, budget_of, budget_section

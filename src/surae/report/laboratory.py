@@ -26,6 +26,7 @@ _UNUSUAL = 2.0
 def known_section(result: FitResult) -> tuple[block.Section, ...]:
     """What was known beforehand; nothing where nothing was stated."""
     known = result.problem.settings.knowledge
+    posterior = result.posterior
     worded = result.problem.options.anatomy.worded
     if known is None or not (lines := lines_of(known)):
         return ()
@@ -44,7 +45,7 @@ def known_section(result: FitResult) -> tuple[block.Section, ...]:
                 f"{1.0 / p:.3g} is as far off); intervals are wider for it.",
                 "warning",
             )
-            for g, p in result.solution.contradicted.items()
+            for g, p in ({} if posterior is None else posterior.contradicted).items()
             if p
         ),
     )
@@ -61,9 +62,9 @@ _NUISANCES = (
 
 def laboratory_section(fit: AssessedFit) -> tuple[block.Section, ...]:
     """Errors of the laboratory; nothing for a named model, which takes it for perfect."""
-    solution = fit.result.solution
+    solution = fit.result.posterior
     inputs = fit.result.problem.inputs
-    if not solution.candidates:
+    if solution is None or not solution.candidates:
         return ()
     blocks: list[block.Block] = []
     if not solution.beliefs:
@@ -142,11 +143,12 @@ def _origin(p: ParameterEstimate, belief: Gaussian) -> str:
 
 def family_text(fit: AssessedFit) -> str:
     """Which departures the data ask for; empty for a named model."""
-    if not fit.result.solution.candidates:
+    posterior = fit.result.posterior
+    if posterior is None or not posterior.candidates:
         return ""
     if fit.assessment.adequacy.grade is Grade.INADEQUATE:
         return "The fit is inadequate: what the data ask for means nothing."
-    chosen = fit.result.solution.candidates[0]
+    chosen = posterior.candidates[0]
     departures = _labels(fit.result, chosen) or "the plain model"
     better = "These data fit better with"
     if chosen.weight < 0.5:
@@ -165,9 +167,10 @@ def _labels(result: FitResult, candidate: Candidate) -> str:
 
 def family_section(fit: AssessedFit) -> tuple[block.Section, ...]:
     """The models that were weighed, and what the evidence says; nothing for a named model."""
-    if not fit.result.solution.candidates:
+    posterior = fit.result.posterior
+    if posterior is None or not posterior.candidates:
         return ()
-    chosen, *others = fit.result.solution.candidates
+    chosen, *others = posterior.candidates
     models = [chosen, *(other for other in others if other.model != chosen.model)]
     variants = [other for other in others if other.model == chosen.model]
     heads = block.columns("Model", "Imperfections in it", "Probability", numbers=(2,), wide=(1,))
@@ -201,7 +204,8 @@ TRIALS = (
 
 def trials_section(fit: AssessedFit) -> tuple[block.Section, ...]:
     """How the trials of a joint fit differ; nothing where that was not looked at."""
-    recordings = fit.result.solution.recordings
+    posterior = fit.result.posterior
+    recordings = () if posterior is None else posterior.recordings
     inputs = fit.result.problem.inputs
     if not recordings:
         return ()

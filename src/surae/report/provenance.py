@@ -116,7 +116,7 @@ def fit_settings(result: FitResult) -> list[tuple[str, str]]:
     """What was fitted and how long it took, then every setting that is not its default."""
     problem = result.problem
     solution = result.solution
-    chosen = ", chosen by model auto" if solution.candidates else ""
+    chosen = ", chosen by model auto" if result.posterior is not None else ""
     facts = [
         ("Model", f"{problem.spec.title} ({problem.spec.name}){chosen}"),
         ("Samples and estimated parameters", f"{problem.n} and {len(problem.free)}"),
@@ -130,7 +130,7 @@ def fit_settings(result: FitResult) -> list[tuple[str, str]]:
         name = _STAGES.get(stage.name, stage.name)
         capped = f"; {stage.capped} of its descents ended at a cap" if stage.capped else ""
         facts.append((f"Search {name}", f"{stage.evaluations} evaluations{capped}"))
-    for request in (problem.settings, problem.options):
+    for request in (problem.settings, problem.settings.estimator, problem.options):
         for each, record in settings_of(type(request)):
             value = getattr(request, each.name)
             if each.name not in _ELSEWHERE and value != default_of(each):

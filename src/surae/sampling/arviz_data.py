@@ -82,7 +82,7 @@ def of_fit(fit: AssessedFit, draws: int, seed: int, *, log_likelihood: bool) -> 
     legs = known.draw(draws, seed)
     groups = {"posterior": drawn(legs[:, [known.names.index(name) for name in free]], units)}
     priors = dict(problem.priors)
-    for n, p in result.solution.population.items():
+    for n, p in ({} if result.posterior is None else result.posterior.population).items():
         log = not is_straight(n)
         priors[n] = Prior(float(np.exp(p.mean)) if log else p.mean, p.sd, "population", log)
     for n, p in result.solution.beliefs.items():

@@ -174,7 +174,8 @@ def check_profiled(result: FitResult, name: str, variance_inflation: float = 1.0
 
 def profiled(result: FitResult) -> tuple[str, ...]:
     """Parameters of a fit that have a profile: those that all its recordings share."""
-    return tuple(n for n in result.problem.free if n not in result.solution.each)
+    each = () if result.posterior is None else result.posterior.each
+    return tuple(n for n in result.problem.free if n not in each)
 
 
 class _Search:

@@ -141,6 +141,7 @@ def run_task(task: FitTask) -> TaskOutcome:
 
 
 def _fit(task: FitTask) -> TaskOutcome:
+    from surae.estimators import LeastSquaresOptions
     from surae.inference import assess, make_problem, solve
     from surae.model import ModelOptions, get_model
     from surae.settings import FitSettings
@@ -163,7 +164,9 @@ def _fit(task: FitTask) -> TaskOutcome:
         noise=task.noise,
         seed=zlib.crc32(json.dumps([*cell, task.repeat]).encode()),
     )
-    settings = FitSettings(task.fitted or task.model, options, starts=task.starts, seed=task.seed)
+    settings = FitSettings(task.fitted or task.model, options, seed=task.seed)
+    if isinstance(settings.estimator, LeastSquaresOptions):  # a posterior has starts of its own
+        settings = FitSettings.of(settings, starts=task.starts)
     result = solve(make_problem([trial], settings))
     if result.solution.is_interrupted:
         raise KeyboardInterrupt

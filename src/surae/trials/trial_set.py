@@ -59,11 +59,21 @@ class TrialSet:
         return "\n".join(lines)
 
     def with_knowledge(self, settings: FitSettings) -> FitSettings:
-        """The settings of a fit with what is known of the leg where they do not say it."""
+        """The settings of a fit with what is known of the leg where they do not say it.
+
+        Crosstalk is a step's finding and nobody's statement: a named model goes without.
+
+        Raises
+        ------
+        InputError
+            What is stated has no effect on the model.
+        """
         known = self.knowledge
         said = settings.knowledge
         if known is None:
             return settings
+        if settings.model != AUTO:
+            known = replace(known, crosstalk={}, crosstalk_of="")
         return FitSettings.of(settings, knowledge=said.filled(known) if said else known)
 
     @property

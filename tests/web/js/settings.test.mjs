@@ -4,13 +4,15 @@ import { test } from "node:test";
 import { changeOf, inPlace, valueOf } from "./js/ui/settings.js";
 
 const nuisances = { path: ["nuisances"], default: "all", needs: "model=auto" };
-const starts = { path: ["starts"], default: 8, needs: "" };
+const starts = { path: ["starts"], default: 8, needs: "model!=auto" };
 const bessel = { path: ["preparation", "bessel_hz"], default: 20, needs: "" };
 const peaks = { path: ["weights", "peaks"], default: 0, needs: "" };
 const draft = { model: "auto", starts: 3, weights: null, preparation: { rate_hz: 128, bessel_hz: false } };
 
 test("a setting is shown where it has an effect", () => {
-  assert.equal(inPlace(starts, draft), true);
+  assert.equal(inPlace(starts, draft), false);
+  assert.equal(inPlace(starts, { ...draft, model: "muscle" }), true);
+  assert.equal(inPlace(bessel, draft), true);
   assert.equal(inPlace(nuisances, draft), true);
   assert.equal(inPlace(nuisances, { ...draft, model: "muscle" }), false);
 });

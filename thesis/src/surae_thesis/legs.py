@@ -195,7 +195,7 @@ def with_noise(clean: ModelInputs, seed: Sequence[int]) -> tuple[ModelInputs, li
 
 def fit_trial(inputs: ModelInputs, model: str, starts: int, seed: int) -> dict[str, Any] | None:
     """Fit by surae: VAF [%], IPDE, estimates, standard errors; None where it failed."""
-    problem = make_problem([inputs], FitSettings(model, starts=starts, seed=seed))
+    problem = make_problem([inputs], FitSettings.of(model, starts=starts, seed=seed))
     result = solve(problem)
     if result.status == "failed":
         return None

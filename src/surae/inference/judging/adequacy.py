@@ -5,7 +5,7 @@ is one of a leg that did not move. From where on something matters was chosen on
 family.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from statistics import NormalDist
@@ -19,7 +19,7 @@ from surae.inference import FitResult
 from surae.inference.judging.fascicles import fascicles_of
 from surae.inference.judging.goodness import centred_r2, counted
 from surae.inference.judging.random_effects import farthest_apart
-from surae.inference.judging.reasons import Reason, against
+from surae.inference.judging.reasons import Reason, Scope, against
 from surae.inference.posterior.conflict import SAID
 from surae.inference.uncertainty.combined import Uncertainty
 from surae.model.joint import Joint
@@ -65,6 +65,8 @@ _SURE = 2.5
 #: Size of what no model has of the muscles' force, as a part of it, from which on it speaks against
 #: the numbers: of 142 fits of virtual legs 136 have at most 0.019, six at least 0.035.
 _UNEXPRESSED = 0.03
+#: Findings of which the torque at rest knows nothing.
+_OF_EMG = ("electrodes-swapped", "emg-unit")
 #: Below this cut-off [Hz] EMG is taken for what the muscle makes of it.
 _ACTIVATION_HZ = 2.0
 
@@ -86,6 +88,21 @@ class Adequacy:
     against: tuple[Reason, ...]  #: The gravest first; empty for an adequate fit.
     #: Centred R² over all recordings, 100·(1 − Σe²/Σ(T − T̄)²) [%]; NaN without a finite torque.
     r2: OrNaN
+
+    def doubt_of(self, rests_on: Collection[Scope]) -> Reason | None:
+        """Find what speaks against a value.
+
+        Parameters
+        ----------
+        rests_on : collection of Scope
+            What of the fit the value rests on (`scopes_of`); empty where that is not known.
+
+        Returns
+        -------
+        Reason or None
+            The gravest doubt that touches it.
+        """
+        return next((reason for reason in self.against if reason.touches(rests_on)), None)
 
     @property
     def reasons(self) -> tuple[str, ...]:
@@ -139,7 +156,14 @@ def _not_as_stated(quality: Sequence[Quality]) -> Iterator[Reason]:
         for code in sorted(
             NOT_AS_STATED & {f.code for f in trial.findings if f.severity == "error"}
         ):
-            yield against("not-as-stated", grave="-unit" in code, trial=trial.recording, code=code)
+            scope = Scope.MUSCLES if code in _OF_EMG else Scope.ALL
+            yield against(
+                "not-as-stated",
+                grave="-unit" in code,
+                scope=scope,
+                trial=trial.recording,
+                code=code,
+            )
 
 
 def _range(inputs: Sequence[ModelInputs]) -> float:
@@ -166,7 +190,7 @@ def _effort(result: FitResult) -> Iterator[Reason]:
         muscle.upper() for muscle, weight, is_so in steady if is_so and weight in problem.free
     ]
     if silent:
-        yield against("emg-steady", muscles=", ".join(silent))
+        yield against("emg-steady", scope=Scope.MUSCLES, muscles=", ".join(silent))
 
 
 def _structure(
@@ -192,13 +216,16 @@ def _bounds(result: FitResult) -> Iterator[Reason]:
 
 def _laboratory(result: FitResult) -> Iterator[Reason]:
     """A laboratory that is odder than laboratories are stands for what the model leaves out."""
-    own = result.solution.each
+    posterior = result.posterior
+    if posterior is None:
+        return
+    own = posterior.each
     joint = result.problem.options.anatomy
     meanings = {p.name: joint.worded(p.meaning) for p in result.problem.spec.parameters}
     stated = result.problem.settings.known
     odd = [
         f"{meanings[name]} ({name})"
-        for name, belief in result.solution.beliefs.items()
+        for name, belief in posterior.beliefs.items()
         if group_of(name) not in stated and _is_odd(own.get(name, (result.values[name],)), belief)
     ]
     if odd:
@@ -225,10 +252,12 @@ def _stated(result: FitResult) -> Iterator[Reason]:
             label = result.problem.options.anatomy.worded(LABELS[source])
             texts = made.texts
             yield against("disagree", label=label, first=texts[0], second=texts[1])
-    for group, probability in sorted(result.solution.contradicted.items()):
+    contradicted = {} if result.posterior is None else result.posterior.contradicted
+    for group, probability in sorted(contradicted.items()):
         label = result.problem.options.anatomy.worded(LABELS[group])
         if probability < RARE:
-            yield against("contradicted", grave=probability < _WRONG, label=label)
+            scope = Scope.MUSCLES if group == "crosstalk" else Scope.ALL
+            yield against("contradicted", grave=probability < _WRONG, scope=scope, label=label)
 
 
 def _agreement(result: FitResult, r2: float) -> Iterator[Reason]:
@@ -240,7 +269,7 @@ def _agreement(result: FitResult, r2: float) -> Iterator[Reason]:
     inputs = result.problem.inputs
     residuals = result.residuals
     pairs = list(map(counted, inputs, residuals))
-    alone = result.solution.recordings
+    alone = () if result.posterior is None else result.posterior.recordings
     name, rare = farthest_apart(alone) if alone else ("", 1.0)
     if rare < SAID:
         yield against("not-one-leg", name=name)
@@ -270,10 +299,13 @@ def _films(result: FitResult) -> Iterator[Reason]:
 
 def _unlike(result: FitResult, odd: Sequence[Reason]) -> Iterator[Reason]:
     """What is told is to hold for the leg as it stays; an odd laboratory hides what muscles do."""
-    for trial, (size, sd) in zip(result.problem.inputs, result.solution.softening, strict=False):
+    posterior = result.posterior
+    if posterior is None:
+        return
+    for trial, (size, sd) in zip(result.problem.inputs, posterior.softening, strict=False):
         if size > max(_SOFTENS, _SURE * sd):
             yield against("softened", trial=trial.name, stiffer=100.0 * size)
-    if not odd and (left := result.solution.sizes.get("misfit", 0.0)) > _UNEXPRESSED:
+    if not odd and (left := posterior.sizes.get("misfit", 0.0)) > _UNEXPRESSED:
         yield against("no-model", part=100.0 * left)
 
 

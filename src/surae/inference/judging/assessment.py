@@ -9,6 +9,7 @@ from surae._version import __version__
 from surae.base.file_form import filed
 from surae.base.formatting import chance
 from surae.base.frozen import Comparable
+from surae.base.normal import NORMAL
 from surae.base.threads import one_blas_thread
 from surae.base.words import Message
 from surae.inference import FitResult, PosteriorMode
@@ -25,14 +26,13 @@ from surae.inference.judging.goodness import (
 )
 from surae.inference.judging.marginal import marginal
 from surae.inference.judging.parameter import (
-    IDENTIFIED,
     Interval,
     ParameterEstimate,
-    Verdict,
     judge_interval,
     judge_singular,
     percent,
 )
+from surae.inference.judging.verdict import IDENTIFIED, Verdict
 from surae.inference.least_squares.contradiction import Contradiction, contradiction
 from surae.inference.uncertainty.combined import (
     Uncertainty,
@@ -265,7 +265,18 @@ def _parameters(
                 budget = {"noise": noise, "model": 1.0 - noise}
                 half = whole
             ci95 = _possible(value, half, lower)
-            verdict, note = judge_interval(name, value, half, estimated, p.unit, withheld=withheld)
+            prior = problem.priors.get(name)
+            narrowed = half / (NORMAL * prior.median * prior.spread) if prior else 0.0
+            verdict, note = judge_interval(
+                name,
+                value,
+                half,
+                estimated,
+                p.unit,
+                withheld=withheld,
+                room=upper - lower,
+                narrowed=narrowed,
+            )
             if against is not None and repeatable and verdict is not Verdict.IDENTIFIED:
                 note = Message(
                     "note/contradicted",

@@ -20,23 +20,21 @@ from surae.inference import FitProblem
 from surae.inference.coordinates import is_straight
 from surae.inference.judging.adequacy import Adequacy, Grade
 from surae.inference.judging.parameter import (
-    IDENTIFIED,
     INADEQUATE,
     Interval,
     ParameterEstimate,
-    Verdict,
     percent,
 )
+from surae.inference.judging.verdict import IDENTIFIED, Verdict, is_news, verdict_of
 from surae.inference.result import PosteriorMode
 from surae.inference.uncertainty.combined import Budget, Uncertainty
 from surae.model.laboratory import group_of
+from surae.model.source import Gaussian
 from surae.model.source_table import advice
 from surae.signals import steady_emg
 
 #: Share of the variance from which a source is worth a remedy.
 _WORTH = 0.25
-#: Part of the population's standard deviation below which an estimate is news.
-_NARROWER = 0.5
 #: Standard deviations of the prior from which on it pulls at an estimate that it does not fit.
 _FAR = 2.9
 
@@ -67,23 +65,20 @@ def marginal(
         half = (ci95[1] - ci95[0]) / 2.0
         again = known.interval(name, NORMAL * budget.repeat)
         repeatable = (again[1] - again[0]) / 2.0 <= IDENTIFIED * abs(p.value) and not withheld
-        verdict, note = _judge(p, half, budget, problem, repeatable=repeatable, withheld=withheld)
-        prior = found.population.get(name)
-        if verdict is Verdict.IDENTIFIED and prior:
-            value = p.value
-            scale = 1.0
-            if not is_straight(name):
-                value = np.log(max(p.value, 1e-300))
-                scale = p.value
-            but = "path" if _by_path(name, problem) else "slack" if name == "x0_tri" else ""
-            if budget.sd > _NARROWER * prior.sd * scale:
-                but = "no-better"
-            elif abs(value - prior.mean) > _FAR * prior.sd and name not in problem.spec.weights:
-                but = "far"
-            if but:
-                reason = Message(f"note/{but}", joint.worded)
-                verdict = Verdict.WEAK
-                note = Message("note/but", known=note, but=reason)
+        narrowed, assumed = _beside_population(p, budget.sd, found.population.get(name), problem)
+        verdict = verdict_of(
+            p.value,
+            half,
+            room=p.upper - p.lower,
+            narrowed=narrowed,
+            doubted=withheld is not None,
+            assumed=bool(assumed),
+        )
+        note = withheld or _note(verdict, p, half, budget, problem, repeatable=repeatable)
+        if verdict is Verdict.WEAK and half <= IDENTIFIED * abs(p.value) and not withheld:
+            note = Message("note/known", percent=percent(half / abs(p.value)))
+            reason = Message(f"note/{assumed or 'no-better'}", joint.worded)
+            note = Message("note/but", known=note, but=reason)
         if name == "l0_tib" and not withheld:
             note = _filmed(note, known, problem, table)
         judged[name] = replace(
@@ -99,6 +94,30 @@ def marginal(
             budget=budget.shares,
         )
     return judged
+
+
+def _beside_population(
+    p: ParameterEstimate, sd: float, prior: Gaussian | None, problem: FitProblem
+) -> tuple[float, str]:
+    """How wide an estimate is beside the population, and what of it is assumed, by its note.
+
+    A length that is hardly narrower is said to be that, whatever its path.
+    """
+    if prior is None:
+        return 0.0, ""
+    value = p.value
+    scale = 1.0
+    if not is_straight(p.name):
+        value = np.log(max(p.value, 1e-300))
+        scale = p.value
+    narrowed = sd / (prior.sd * scale) if prior.sd * scale > 0.0 else np.inf
+    if is_news(narrowed):
+        if abs(value - prior.mean) > _FAR * prior.sd and p.name not in problem.spec.weights:
+            return narrowed, "far"
+        if _by_path(p.name, problem):
+            return narrowed, "path"
+        return narrowed, "slack" if p.name == "x0_tri" else ""
+    return narrowed, ""
 
 
 def _by_path(name: str, problem: FitProblem) -> bool:
@@ -129,28 +148,24 @@ def _filmed(
     return Message("note/filmed", known=note, mm=1e3 * optimum, percent=percent(half / optimum))
 
 
-def _judge(
+def _note(
+    verdict: Verdict,
     p: ParameterEstimate,
     half: float,
     budget: Budget,
     problem: FitProblem,
     *,
     repeatable: bool,
-    withheld: Message | None,
-) -> tuple[Verdict, Message]:
-    """Verdict, and what is missing and would help."""
+) -> Message:
+    """What is known, what is missing, and what would help."""
     relative = half / abs(p.value) if p.value else np.inf
     joint = problem.options.anatomy
-    within_bounds = half < 0.45 * (p.upper - p.lower)
-    if withheld:
-        weak = relative <= 1.0 and within_bounds
-        return (Verdict.WEAK if weak else Verdict.UNDETERMINED), withheld
-    if relative <= IDENTIFIED:
-        return Verdict.IDENTIFIED, Message("note/known", percent=percent(relative))
-    if half >= 0.499999 * (p.upper - p.lower):
-        return Verdict.UNDETERMINED, Message("note/not-informed")
-    if relative > 1.0 or not within_bounds:
-        return Verdict.UNDETERMINED, Message("note/as-wide")
+    if verdict is Verdict.IDENTIFIED:
+        return Message("note/known", percent=percent(relative))
+    if verdict is Verdict.UNDETERMINED:
+        if half >= 0.499999 * (p.upper - p.lower):
+            return Message("note/not-informed")
+        return Message("note/as-wide" if relative > 1.0 else "note/as-bounds")
     known = Message("note/known-only", percent=percent(relative))
     if repeatable:
         known = Message("note/repeatable", joint.worded, known=known)
@@ -162,4 +177,4 @@ def _judge(
         if left is not None and left < 0.8 * budget.sd:
             narrowed = percent(relative * left / budget.sd)
             known = Message("note/narrowed", known=known, percent=narrowed)
-    return Verdict.WEAK, known
+    return known

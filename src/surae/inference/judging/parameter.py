@@ -10,25 +10,14 @@ import numpy as np
 from surae.base.file_form import filed
 from surae.base.formatting import in_a_line
 from surae.base.words import Message
+from surae.inference.judging.verdict import IDENTIFIED, Verdict, verdict_of
 from surae.inference.uncertainty.covariance import Covariance
 from surae.model.registry import PARAMETERS
 
-#: Half-width of the 95 % interval, as a part of the value, up to which a parameter is identified.
-IDENTIFIED = 0.10
 #: Correlation from which the partner is named.
 _STRONG = 0.9
 #: What is said of a parameter in place of a claim.
 INADEQUATE = Message("note/inadequate")
-
-
-class Verdict(StrEnum):
-    """Judgement of one parameter."""
-
-    IDENTIFIED = "identified"
-    WEAK = "weak"
-    UNDETERMINED = "undetermined"
-    AT_BOUND = "at-bound"
-    FIXED = "fixed"
 
 
 def judge_interval(
@@ -39,24 +28,32 @@ def judge_interval(
     unit: str = "-",
     *,
     withheld: bool = False,
+    room: float = np.inf,
+    narrowed: float = 0.0,
 ) -> tuple[Verdict, Message]:
     """Verdict and sentence of a parameter that has an interval.
 
     `half` is the half-width of its 95 % interval; its strongest partner is looked up in
-    `estimated`. `withheld` says that the fit is inadequate, so that nothing is claimed.
+    `estimated`. `withheld` says that the fit is inadequate, so that nothing is claimed; `room` and
+    `narrowed` are as of `verdict_of`.
     """
     relative = half / abs(value) if value else np.inf
-    if relative <= IDENTIFIED:
+    verdict = verdict_of(value, half, room=room, narrowed=narrowed, doubted=withheld)
+    if verdict is Verdict.IDENTIFIED:
+        return verdict, Message("note/known", percent=percent(relative))
+    if relative <= IDENTIFIED and verdict is Verdict.WEAK:
         if withheld:
-            return Verdict.WEAK, INADEQUATE
-        return Verdict.IDENTIFIED, Message("note/known", percent=percent(relative))
-    verdict = Verdict.WEAK if relative <= 1.0 else Verdict.UNDETERMINED
+            return verdict, INADEQUATE
+        known = Message("note/known", percent=percent(relative))
+        return verdict, Message("note/but", known=known, but=Message("note/no-better"))
     # A part of a value that may as well be 0 says nothing.
     nothing = name in PARAMETERS and PARAMETERS[name].off_at_zero and half >= abs(value)
     if nothing:
         known = Message("note/zero", interval=_interval(value, half, unit))
     elif verdict is Verdict.WEAK:
         known = Message("note/known-only", percent=percent(relative))
+    elif relative <= 1.0:
+        known = Message("note/as-bounds")
     else:
         known = Message("note/wide")
     own = estimated.names.index(name)

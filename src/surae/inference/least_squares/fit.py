@@ -13,6 +13,7 @@ from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
 from surae.base.versions import versions
 from surae.base.words import Message
+from surae.estimators import STARTS
 from surae.inference.interrupt import postponed_interrupt
 from surae.inference.least_squares.drive_starts import own_columns
 from surae.inference.least_squares.minimise import Ends, Minimum, Outcome, minimise
@@ -20,7 +21,6 @@ from surae.inference.least_squares.residuals import Residuals
 from surae.inference.least_squares.starts import Follow, from_start, stopped
 from surae.inference.problem import FitProblem
 from surae.inference.result import FitResult, LeastSquares, Start, at_bounds
-from surae.settings import STARTS
 
 #: A sum below this part of the torque's own is an exact fit.
 _EXACT = 1e-12

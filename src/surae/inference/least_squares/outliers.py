@@ -13,6 +13,7 @@ from surae.base.progress import SearchProgress
 from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
 from surae.base.words import Message
+from surae.estimators import STARTS
 from surae.inference.interrupt import postponed_interrupt
 from surae.inference.least_squares.fit import fit_problem
 from surae.inference.least_squares.minimise import Ends, Outcome, minimise
@@ -20,7 +21,6 @@ from surae.inference.least_squares.residuals import Residuals
 from surae.inference.least_squares.starts import Follow
 from surae.inference.problem import FitProblem
 from surae.inference.result import FitResult, LeastSquares, Outliers
-from surae.settings import STARTS
 
 #: Makes the median of the absolute residual an estimate of a Gaussian's standard deviation.
 _MAD = 1.4826

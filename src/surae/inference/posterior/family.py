@@ -12,6 +12,7 @@ import numpy as np
 
 from surae.inference.coordinates import is_straight
 from surae.inference.least_squares.fit import fit_problem
+from surae.inference.least_squares.starts import Follow
 from surae.inference.noise import NoiseModel
 from surae.inference.population_priors import WIDENED, wide_priors
 from surae.inference.posterior.expected_drives import expected_drives
@@ -41,7 +42,8 @@ _WIDER = {"m": MASSES, "dlt_tri": (1e-5, 0.3), "dlt_tib": (1e-5, 0.3)}
 class Family:
     """The posteriors of a problem, which is of the family's compliant model."""
 
-    def __init__(self, problem: FitProblem) -> None:
+    def __init__(self, problem: FitProblem, follow: Follow | None = None) -> None:
+        self._follow = follow
         self.inputs = problem.inputs  #: As they were given.
         problem = replace(problem, inputs=problem.heard)
         self.original = replace(problem, inputs=tuple(sharpened(r) for r in problem.inputs))
@@ -117,7 +119,8 @@ class Family:
         spec = get_model(RIGID)
         free = [n for n in spec.names if n in original.free]
         rigid = original.of_model(spec, free, original.by_name(original.start), original.limits)
-        return fit_problem(replace(rigid, inputs=tuple(inputs), **changes), starts=starts)
+        simpler = replace(rigid, inputs=tuple(inputs), **changes)
+        return fit_problem(simpler, starts=starts, seed=original.settings.seed)
 
     def posterior(
         self,
@@ -172,6 +175,7 @@ class Family:
         made = LogPosterior(
             problem, priors, noise, latents, sizes, beliefs=beliefs, rate_hz=rate_hz, rest=rest
         )
+        made.follow = self._follow
         self._calls.append(made.observed.calls)
         return made
 

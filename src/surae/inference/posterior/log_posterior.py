@@ -21,6 +21,7 @@ from surae.base.units import FloatArray
 from surae.inference.coordinates import Coordinates
 from surae.inference.evidence import LaplaceApproximation
 from surae.inference.least_squares.minimise import box_quadratic, eased, predicted_gain
+from surae.inference.least_squares.starts import Follow
 from surae.inference.noise import NoiseModel
 from surae.inference.posterior.banded import solve_band, solve_band_transposed
 from surae.inference.posterior.descent import FAR, Secant, shorter
@@ -123,6 +124,8 @@ class LogPosterior(Coordinates):
     ) -> None:
         super().__init__(problem, priors)
         self.noise, self.latents, self.sizes = tuple(noise), tuple(latents), dict(sizes)
+        #: Told of every better point of a descent: the model, all its parameters, −2 ln p.
+        self.follow: Follow | None = None
         self.fast: float | None = None  #: Size of the drives' errors; None where there are none.
         self.beliefs = dict(beliefs or {})
         self.rate_hz = rate_hz
@@ -353,6 +356,12 @@ class LogPosterior(Coordinates):
             predicted = max(gain + latent_gain, 1e-300)
             damping = _damped(damping, part, begun, (here.cost - trial.cost) / predicted)
             here = trial
+            self._tell(here)
+
+    def _tell(self, point: Point) -> None:
+        """Have a better point known."""
+        if self.follow is not None:
+            self.follow(self.problem.spec, self.values(point.z), float(point.cost))
 
     def _point(self, z: FloatArray, c: tuple[FloatArray, ...], w: tuple[FloatArray, ...]) -> Point:
         blocks = self.blocks(z, c, w)

@@ -10,11 +10,11 @@ from dataclasses import replace
 import numpy as np
 
 from surae.base.units import FloatArray
+from surae.estimators import STARTS
 from surae.inference.least_squares.residuals import Residuals
 from surae.inference.posterior.empirical_bayes import Reached
 from surae.inference.posterior.family import RATE_HZ, Family
 from surae.inference.posterior.linearised import measured
-from surae.settings import STARTS
 from surae.signals import ModelInputs
 
 #: By how much less of the torque's variance parameters may follow than before a stage of the

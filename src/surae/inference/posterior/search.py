@@ -15,6 +15,7 @@ from surae.base.threads import one_blas_thread
 from surae.base.words import Message
 from surae.inference.interrupt import postponed_interrupt
 from surae.inference.least_squares.minimise import Outcome
+from surae.inference.least_squares.starts import Follow
 from surae.inference.posterior.at_mode import summed
 from surae.inference.posterior.departures import Chosen, choose
 from surae.inference.posterior.empirical_bayes import RESTS
@@ -26,15 +27,19 @@ from surae.inference.result import FitResult, Stage
 from surae.model.laboratory import RIGID
 
 
-def fit_family(problem: FitProblem, *, progress: SearchProgress | None = None) -> FitResult:
+def fit_family(
+    problem: FitProblem, *, progress: SearchProgress | None = None, follow: Follow | None = None
+) -> FitResult:
     """Find the mode of a leg's posterior and all that makes it unsure.
 
     The problem is of the family's compliant model; which nuisances may be in, its settings say.
-    `progress` is called with stages that are done, how many there are, and −2 ln p. Ctrl-C keeps
-    the rigid model by least squares.
+    `progress` is called with stages that are done, how many there are, and −2 ln p; `follow` with
+    every better point of a descent: the model, all its parameters, and −2 ln p but for a constant,
+    which is another one for each posterior that the search makes. Ctrl-C keeps the rigid model by
+    least squares.
     """
     begin = time.perf_counter()
-    family = Family(problem)
+    family = Family(problem, follow)
     with one_blas_thread(), postponed_interrupt():
         try:
             result = _result(family, progress)

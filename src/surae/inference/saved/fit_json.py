@@ -84,7 +84,7 @@ def as_dict(fit: AssessedFit) -> dict[str, Any]:
         },
         **found,
         "outliers": to_plain(how.outliers),
-        "family": to_plain(how) if isinstance(how, PosteriorMode) else None,
+        "family": to_plain(result.posterior),
         **to_plain(problem),
         "traces": [
             {**to_plain(recording), "residual": encode(residual)}
@@ -314,8 +314,8 @@ def _family(data: Any) -> Any:
 def _check(result: FitResult) -> None:
     """Refuse arrays that do not go with each other, and numbers that no fit gives."""
     problem = result.problem
-    solution = result.solution
-    outliers = solution.outliers
+    posterior = result.posterior
+    outliers = result.solution.outliers
     p = len(problem.free)
     inputs = problem.inputs
     shapes: list[tuple[str, FloatArray, tuple[int, ...]]] = [("R", result.R, (p, p))]
@@ -334,14 +334,15 @@ def _check(result: FitResult) -> None:
         reference = recording.emg_reference
         if reference is not None and not all(v is None or v > 0 for v in reference.values):
             raise InputError(f"traces[{i}].emg_reference.values_V: one is not above zero")
-    if any(len(values) != len(inputs) for values in solution.each.values()):
-        raise InputError("family.each: it has not one value for each recording")
-    if other := [source for source in solution.spread if source not in SOURCES]:
-        raise InputError(
-            f"family.spread.{other[0]}: no source of "
-            "uncertainty is called so; install what brings it, or fit again"
-        )
-    shapes += [(f"family.spread.{s}", by, (len(by), p)) for s, by in solution.spread.items()]
+    if posterior is not None:
+        if any(len(values) != len(inputs) for values in posterior.each.values()):
+            raise InputError("family.each: it has not one value for each recording")
+        if other := [source for source in posterior.spread if source not in SOURCES]:
+            raise InputError(
+                f"family.spread.{other[0]}: no source of "
+                "uncertainty is called so; install what brings it, or fit again"
+            )
+        shapes += [(f"family.spread.{s}", by, (len(by), p)) for s, by in posterior.spread.items()]
     if outliers is not None:
         _check_outliers(outliers, len(inputs))
         pairs = enumerate(zip(outliers.weights, inputs, strict=True))

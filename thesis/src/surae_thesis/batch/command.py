@@ -15,7 +15,7 @@ from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.screen import show_line, show_table
 from surae.processes.runner import engine_of
-from surae.settings import FitSettings
+from surae.settings import FIT_RECORDS
 
 #: The models of the thesis.
 _MODELS = "1.0,2.0,2.1,2.2"
@@ -45,7 +45,7 @@ _MODELS = "1.0,2.0,2.1,2.2"
     help="How paths are named, as {subject}/{protocol}-{repetition}.  "
     "[default: subject first, repetition last, between / or _]",
 )
-@settings_options(FitSettings)
+@settings_options(*FIT_RECORDS[:-1])
 @click.option("--store", required=True, metavar="B.db", help="Keeps every finished fit.")
 @click.option("--output", required=True, metavar="OUT/", help="Folder of tables and page.")
 @workers_option("Fits", many="one for each core")

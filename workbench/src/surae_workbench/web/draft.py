@@ -8,12 +8,17 @@ from typing import Any
 from pydantic import ValidationError
 
 from surae import api
-from surae.base.records import from_plain
+from surae.base import names
+from surae.base.records import from_plain, to_plain
 from surae_workbench.web.schemas import DraftChange
 
 #: Keys whose entries a change adds to or, with None, takes away; it replaces all others.
 _MERGED = ("exclusions", "sliders")
-_SETTINGS = tuple(field.name for field in fields(api.FitSettings))
+#: Records of a fit's settings, but for the model's switches, which are a key of their own.
+_RECORDS = api.FIT_RECORDS[:-1]
+_SETTINGS = tuple(
+    field.name for kind in _RECORDS for field in fields(kind) if field.name != "estimator"
+)
 
 #: The settings as plain data, with recordings, contractions, spans to leave out, and sliders.
 Draft = dict[str, Any]
@@ -22,7 +27,15 @@ Draft = dict[str, Any]
 def empty_draft() -> Draft:
     """What a new session begins with; the settings are those of `surae fit`."""
     data: Draft = {"recordings": [], "mvc": [], "exclusions": {}, "sliders": {}}
-    return {**api.FitSettings().as_dict(), **data}
+    return {**_defaults_of_all(), **data}
+
+
+def _defaults_of_all() -> Draft:
+    """The settings as they are by default, those of both estimators: a model may yet be chosen."""
+    plain: Draft = {}
+    for kind in _RECORDS:
+        plain |= to_plain(kind())
+    return {name: plain[name] for name in _SETTINGS}
 
 
 def changed(draft: Draft, change: Mapping[str, Any]) -> Draft:
@@ -38,7 +51,34 @@ def changed(draft: Draft, change: Mapping[str, Any]) -> Draft:
             after[key] = value
     for name, row in change.get("parameters", {}).items():
         _take_row(after, name, row)
+    _check_effect(draft, after)
     return {**after, **_settings(after).as_dict()}
+
+
+def _check_effect(before: Draft, after: Draft) -> None:
+    """Refuse a change that gives what the draft's model does not read.
+
+    What was given before another model was chosen waits for its own.
+
+    Raises
+    ------
+    InputError
+        An option has no effect.
+    """
+    usual = _defaults_of_all()
+    given = {n for n in _SETTINGS if after[n] != before[n] and after[n] != usual[n]}
+    model = after["model"]
+    api.check_estimator(model, given)
+    if "options" in given:
+        switches = {
+            name
+            for name, value in after["options"].items()
+            if value != before["options"].get(name) and value != usual["options"].get(name)
+        }
+        settings = _settings(after)
+        api.check_switches(model, switches, settings.options, settings.mentioned)
+    if "knowledge" in given:
+        api.check_knowledge(model, from_plain(api.Knowledge, after["knowledge"]))
 
 
 def _take_row(draft: Draft, name: str, row: Mapping[str, Any] | None) -> None:
@@ -99,7 +139,7 @@ def upgraded(data: object) -> Draft:
 def settings_of(draft: Draft, recordings: Sequence[str]) -> api.FitSettings:
     """What a draft asks of these recordings, given by their ids, for its model.
 
-    Parameters of a model that the session had chosen before are left out.
+    Parameters and options of a model that the session had chosen before are left out.
     """
     settings = _settings(draft)
     known = set(spec_of(draft).names)
@@ -109,6 +149,8 @@ def settings_of(draft: Draft, recordings: Sequence[str]) -> api.FitSettings:
     }
     free = (name for name in settings.free if known.issuperset(api.OPTIONAL.get(name, (name,))))
     settings = replace(settings, free=tuple(free), **kept)
+    if settings.model != names.AUTO and settings.knowledge is not None:
+        settings = replace(settings, knowledge=api.without_priors(settings.knowledge))
     spans = [draft["exclusions"].get(id_, ()) for id_ in recordings]
     if not any(spans):
         return settings

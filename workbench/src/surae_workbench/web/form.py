@@ -25,10 +25,11 @@ def form() -> list[dict[str, Any]]:
     `path` names a key of the draft, or one within it.
     """
     rows: list[dict[str, Any]] = []
-    for each, record in settings_of(api.FitSettings):
+    every = [pair for kind in api.FIT_RECORDS[:-1] for pair in settings_of(kind)]
+    for each, record in every:
         for row in fields(_RECORDS[each.name], each.name) if each.name in _RECORDS else ():
             rows.append({**row, "needs": row["needs"] or record.needs})
-    return [*fields(api.FitSettings), *rows]
+    return [*(row for kind in api.FIT_RECORDS[:-1] for row in fields(kind)), *rows]
 
 
 def fields(kind: Any, *within: str) -> list[dict[str, Any]]:

@@ -180,7 +180,10 @@ def request_of(kind: Any, *without: str, defaults: bool = False, **others: Any) 
     return create_model(kind.__name__, __base__=Strict, __doc__=f"See `{kind.__name__}`.", **keys)
 
 
-class DraftChange(request_of(api.FitSettings, weights=WeightingTable)):  # type: ignore[misc]
+class DraftChange(
+    request_of(api.FitSettings, weights=WeightingTable),  # type: ignore[misc]
+    *map(request_of, api.FIT_RECORDS[1:-1]),  # type: ignore[misc]
+):
     """Keys of a draft, which are those of `surae.FitSettings` and what it is asked of.
 
     Those left out stay as they are. `parameters` are rows of the table: each stands for what all
@@ -218,7 +221,12 @@ class DraftChange(request_of(api.FitSettings, weights=WeightingTable)):  # type:
 
 
 #: Settings that None is a value of.
-_NULLABLE = {each.name for each, _ in settings_of(api.FitSettings) if default_of(each) is None}
+_NULLABLE = {
+    each.name
+    for kind in api.FIT_RECORDS
+    for each, _ in settings_of(kind)
+    if default_of(each) is None
+}
 
 
 class DraftPatch(Strict):

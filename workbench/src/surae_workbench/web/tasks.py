@@ -64,7 +64,7 @@ def fit(task: Task) -> dict[str, Any]:
     """Fit, as `surae fit` does, and write FIT.json."""
     settings, recordings, inputs = _request_of(task)
     quality = api.checks_for(settings, recordings)
-    news = FitProgress(settings.starts)
+    news = FitProgress(settings.starts or 2)
     with _compiling():
         fitted = api.fit_inputs(inputs, settings, quality, progress=news.start, follow=news.point)
     fitted.save(_file(task, "fit", task["id"]))

@@ -13,8 +13,8 @@ export function settingsForm(main, more, models, draft, store, recordings) {
 
 /** Whether a setting has an effect, beside those that are set. */
 export function inPlace({ needs }, draft) {
-  const [name, value] = needs.split("=");
-  return !needs || draft[name] === value;
+  const [name, value] = needs.split(/!?=/);
+  return !needs || (draft[name] === value) !== needs.includes("!=");
 }
 
 /** What a draft says of a setting: null where that is nothing. */
