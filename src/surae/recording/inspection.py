@@ -23,8 +23,9 @@ from surae.recording.inspected_channels import InspectedChannel, Inspection
 from surae.recording.inspected_file import arranged
 from surae.recording.reading import is_mapping
 from surae.recording.recording import FILM_ROLES, ROLES, Recording
-from surae.recording.roles import Guess, (
+from surae.recording.roles import (
     CONFIDENCES,
+    Guess,
     Side,
     guess_role,
     is_plate_moment,

@@ -81,16 +81,16 @@ def clock_drift(recording: Recording, signals: Signals, fit: QuickFit) -> ClockD
     step = _STEP / half
     sides = [(r, *_best_lag(left, r, lag, None)) for r in (step, -step)]
     rate, lag_there, after = max(sides, key=lambda each: each[2].r2)
-    if before.left < _HINT * after.left:
+    if before.unexplained < _HINT * after.unexplained:
         return None
-    profile = {0.0: before.left, **{r: each.left for r, _, each in sides}}
+    profile = {0.0: before.unexplained, **{r: each.unexplained for r, _, each in sides}}
     lag = lag_there
     way = float(np.sign(rate))
     while abs(rate) * half < _FARTHEST:
         further = rate + way * step
         lag_there, next_ = _best_lag(left, further, lag, None)
-        profile[further] = next_.left
-        if next_.left >= after.left:
+        profile[further] = next_.unexplained
+        if next_.unexplained >= after.unexplained:
             break
         rate, lag, after = further, lag_there, next_
     return _drift(profile, rate, step, half, lag, before, after)
@@ -114,8 +114,8 @@ def _drift(
     best = rate + step * (low - high) / (2.0 * bend)
     # The sum of squares rises by one noise variance at one standard error.
     told = max(2.0 * half / _ALIKE_S, 2.0)
-    sem = step * float(np.sqrt(2.0 * after.left / (told * bend)))
-    clear = abs(best) >= _CLEAR * sem and before.left >= _LESS * after.left
+    sem = step * float(np.sqrt(2.0 * after.unexplained / (told * bend)))
+    clear = abs(best) >= _CLEAR * sem and before.unexplained >= _LESS * after.unexplained
     if not clear or not _RATE[0] <= abs(best) <= _RATE[1]:
         return None
     return ClockDrift(best, sem, lag, before, after)
@@ -132,7 +132,7 @@ def _best_lag(
             moved = False
             while _LAGS[0] < lag + way < _LAGS[1]:
                 next_ = left(lag + way, rate)
-                if next_.left >= best.left:
+                if next_.unexplained >= best.unexplained:
                     break
                 lag, best, moved = lag + way, next_, True
             if moved:
