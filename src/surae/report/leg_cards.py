@@ -8,6 +8,7 @@ import numpy as np
 from surae.base.formatting import NO_NUMBER, short, significant
 from surae.inference import Adequacy, AssessedFit, Assessment, Grade, Verdict
 from surae.measures import Measure, Measures
+from surae.measures.agreement import OF_OTHER_TRIALS, said_of
 from surae.measures.change import Change, ChangeVerdict, Difference
 from surae.measures.norms import Norm, placed
 from surae.measures.table import LEADING
@@ -307,11 +308,16 @@ def trust(
         len(result.problem.inputs),
         r2=_.number(f"{adequacy.r2:.1f}".replace("-", "−")),
     )
-    return light(adequacy, reason, _), block.Text(followed)
+    other = [each for each in adequacy.against if each.code in OF_OTHER_TRIALS]
+    advised = (block.Text(_(said_of(other[0]))),) if other else ()
+    return light(adequacy, reason, _), *advised, block.Text(followed)
 
 
 def reason_of(assessment: Assessment, contradicted: Sequence[str], _: Words) -> str:
-    """The one reason that weighs most, in plain words."""
+    """The one reason that weighs most, in plain words: first what a trial by its name says."""
+    against = assessment.adequacy.against
+    if named := [each for each in against if each.code in OF_OTHER_TRIALS]:
+        return _(named[0].plain)
     if contradicted and PASSIVE & set(contradicted):
         return _.many(
             "{n} value differs between trials",
@@ -330,7 +336,6 @@ def reason_of(assessment: Assessment, contradicted: Sequence[str], _: Words) -> 
             "{n} values reached their limits and can’t be trusted",
             bound,
         )
-    against = assessment.adequacy.against
     return _(against[0].plain) if against else _("nothing speaks against these numbers")
 
 

@@ -23,7 +23,7 @@ class Reason:
     def plain(self) -> Message:
         """What the leg's page says of it."""
         code = f"plainly/{self.code}"
-        return Message(code if code in english() else "plainly/said")
+        return Message(code if code in english() else "plainly/said", **self.values)
 
     def __str__(self) -> str:
         """The sentence."""
