@@ -29,7 +29,7 @@ class TorqueDoubt:
     @property
     def half_width(self) -> FloatArray:
         """Half of the 95 % interval of each sample of the measured torque [Nm], shape (n,)."""
-        return NORMAL * np.sqrt(np.sum(self.rows**2, axis=0) + self.noise**2)
+        return np.asarray(NORMAL * np.sqrt(np.sum(self.rows**2, axis=0) + self.noise**2))
 
     def sd_of(self, weights: FloatArray) -> float:
         """Standard deviation of Σ wᵢ·Tᵢ without noise, `weights` of shape (n,)."""

@@ -1,7 +1,7 @@
 """Parameters of some recordings tried on others (thesis 2.7)."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from surae.base.frozen import Comparable
 from surae.base.units import FloatArray
 from surae.inference import FitResult
 from surae.inference.judging.adequacy import Adequacy, judge_prediction
+from surae.inference.judging.baselines import Baselines, baselines
 from surae.inference.judging.fascicles import Fascicles, followed
 from surae.inference.judging.goodness import counted, rmse, vaf
 from surae.inference.judging.predicted import TorqueDoubt, torque_doubt
@@ -40,6 +41,8 @@ class Prediction(Comparable):
     doubt: TorqueDoubt | None = None
     #: Whether it is as good as the fit promises; None where that was not judged.
     adequacy: Adequacy | None = None
+    #: What the fit's recordings predict of it without a model.
+    baselines: Baselines = field(default_factory=Baselines)
     fascicles: tuple[Fascicles, ...] = ()  #: Filmed lengths, measured and predicted.
 
     def __repr__(self) -> str:
@@ -119,7 +122,9 @@ def predict_others(
         check_finite_torque(torque, recording)
         measured, residual = counted(recording, recording.torque - torque)
         doubt = None if known is None else torque_doubt(result, known, recording)
-        joint = options.anatomy
+        judged = None
+        if doubt is not None:
+            judged = judge_prediction(doubt, recording, options.anatomy, measured, residual)
         predictions.append(
             Prediction(
                 recording.name,
@@ -132,7 +137,8 @@ def predict_others(
                 recording.torque,
                 recording.weight,
                 doubt,
-                doubt and judge_prediction(doubt, recording, joint, measured, residual),
+                judged,
+                Baselines() if known is None else baselines(problem.inputs, recording),
                 followed(spec, options, result.values, recording),
             )
         )
