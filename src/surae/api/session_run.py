@@ -4,7 +4,7 @@ The joint fit takes longer than all others together, so it may run in a process 
 """
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
@@ -27,11 +27,14 @@ from surae.inference import Grade, Prediction
 from surae.inference.diagnosis import STILL
 from surae.inference.judging.adequacy import doubted
 from surae.inference.judging.goodness import centred_r2, counted, vaf
+from surae.inference.judging.reasons import OF_OTHER_TRIALS, Reason, against
 from surae.inference.judging.validation import covered, predict_others
-from surae.measures.agreement import OF_OTHER_TRIALS, AskedTrial, disagreements
+from surae.measures.agreement import AskedTrial, disagreements
 from surae.nerve.leg import Nerve
 from surae.processes import Child, End, Plain
 from surae.quality import Finding, Quality
+from surae.report.leg_cards import PASSIVE
+from surae.report.trials import contradictions
 from surae.settings import FitSettings
 from surae.signals import ModelInputs
 from surae.trials import Crossed, Trial, TrialSet, prepared_for
@@ -212,7 +215,7 @@ class _Run:
             and trial.use in _ASKED
             and (finding := self._wrong(trial.name)) is not None
         }
-        reasons = disagreements(fit, trials, self.fits, errors)
+        reasons = disagreements(fit, trials, self.fits, errors) + _apart(self.fits, self.joint)
         judged = doubted(fit.adequacy, reasons, OF_OTHER_TRIALS)
         if judged == fit.adequacy:
             return
@@ -404,6 +407,14 @@ def _known(trial: Trial) -> tuple[str, ...]:
     """Codes of findings that say again that a trial holds still, or is passive."""
     still = () if trial.moves else ("angle-still", "rom-not-covered")
     return (*still, *(("active-not-active",) if trial.effort == "passive" else ()))
+
+
+def _apart(alone: Mapping[str, Fit], joint: Fit | None) -> tuple[Reason, ...]:
+    """The trial that contradicts all together in parameters that stiffness rests on, if any."""
+    together = None if joint is None else joint.assessment
+    found = contradictions({name: fit.assessment for name, fit in alone.items()}, together)
+    names = sorted(PASSIVE & found.keys())
+    return (against("apart", trial=found[names[0]][0], names=", ".join(names)),) if names else ()
 
 
 def _crossed(fit: Fit, parts: Sequence[ModelInputs], fitted: bool) -> Crossed:

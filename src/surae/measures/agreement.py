@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.base.normal import NORMAL
+from surae.base.normal import NORMAL, Student
 from surae.base.units import FloatArray
 from surae.base.words import Message
 from surae.inference import AssessedFit, Grade, Prediction
@@ -24,12 +24,11 @@ from surae.measures.table import DEFINITIONS
 from surae.signals import ModelInputs
 from surae.trials import Trial
 
-#: Codes of the reasons that other trials give against a fit; the first two are of its stiffness.
-OF_STIFFNESS = ("other-slope", "other-stiffness")
-OF_OTHER_TRIALS = (*OF_STIFFNESS, "misses-trial", "mean-of-trial", "error-stands")
 #: Ranges over which a relaxed torque is held against a fit's, and what each must span at least.
 _WIDE = np.radians(10.0)
 _SPAN = np.radians(5.0)
+#: Held angles that show a slope and how sure it is.
+_HOLDS = 3
 #: Part of the leg's largest stiffness below which a difference is none: what is known within 10 %
 #: counts as known.
 _LITTLE = 0.1
@@ -80,6 +79,7 @@ def disagreements(
         return ()
     relaxed = [t for t in trials if t.trial.moves and t.trial.effort == "passive"]
     slopes = [reason for trial in relaxed if (reason := _other_slope(fit, trial))]
+    slopes += _other_holds(fit, [t for t in trials if t.trial.hold and t.trial.effort == "passive"])
     single = [
         reason
         for name, own in alone.items()
@@ -145,7 +145,7 @@ def _other_slope(fit: AssessedFit, trial: AskedTrial) -> Reason | None:
             allowed = float(np.hypot(half, NORMAL * se))
             if abs(off) > allowed:
                 reason = against(
-                    OF_STIFFNESS[0],
+                    "other-slope",
                     trial=trial.name,
                     low=float(np.degrees(angle.min())),
                     high=float(np.degrees(angle.max())),
@@ -155,6 +155,51 @@ def _other_slope(fit: AssessedFit, trial: AskedTrial) -> Reason | None:
                 )
                 far.append((abs(off) / allowed, reason))
     return max(far, key=lambda each: each[0])[1] if far else None
+
+
+def _other_holds(fit: AssessedFit, holds: Sequence[AskedTrial]) -> list[Reason]:
+    """Where a line through relaxed held angles rises as the fit's stiffness does not allow."""
+    means = [
+        (
+            float(np.mean(np.concatenate([p.angle[p.counts] for p in asked.parts]))),
+            *(float(np.mean(np.concatenate(each))) for each in zip(*errors, strict=True)),
+        )
+        for asked in holds
+        if (errors := [p.errors for p in asked.predictions])
+    ]
+    if len(means) < _HOLDS or np.ptp(angle := np.array([each[0] for each in means])) < _SPAN:
+        return []
+    torque, missed = np.array(means)[:, 1:].T
+    half = _half_width(fit, float(np.degrees(angle.mean())))
+    if half is None:
+        return []
+    line = _through(angle, missed)
+    rise = _through(angle, torque)
+    ends = max(abs(line.value - end) for end in line.ci95)
+    allowed = float(np.hypot(half, ends))
+    if abs(line.value) <= allowed:
+        return []
+    return [
+        against(
+            "other-holds",
+            count=float(len(means)),
+            low=float(np.degrees(angle.min())),
+            high=float(np.degrees(angle.max())),
+            measured=rise.value,
+            expected=rise.value - line.value,
+            allowed=allowed,
+        )
+    ]
+
+
+def _through(angle: FloatArray, torque: FloatArray) -> Student:
+    """Slope of a line through held angles [Nm/deg], with Student's t of what it misses."""
+    away = np.degrees(angle - angle.mean())
+    square = float(away @ away)
+    slope = float(away @ torque) / square
+    left = torque - torque.mean() - slope * away
+    free = len(angle) - 2
+    return Student(slope, float(np.sqrt(left @ left / free / square)), free)
 
 
 def _followed(fit: AssessedFit, trial: AskedTrial) -> Iterator[tuple[ModelInputs, FloatArray]]:
@@ -224,7 +269,7 @@ def _other_stiffness(fit: AssessedFit, name: str, own: AssessedFit) -> Reason | 
     if own_half > abs(single) or abs(single - value) <= allowed:
         return None
     return against(
-        OF_STIFFNESS[1],
+        "other-stiffness",
         trial=name,
         single=single,
         low=single - own_half,

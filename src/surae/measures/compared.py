@@ -12,7 +12,7 @@ from surae.base.normal import standard_error_of
 from surae.base.records import OrNaN
 from surae.base.words import Message
 from surae.inference import Adequacy, AssessedFit, FitResult, Grade
-from surae.measures.compute import ANGLES, extrapolated, judged_measures, points
+from surae.measures.compute import ANGLES, disputed, extrapolated, judged_measures, points
 from surae.measures.leg import leg_of
 from surae.measures.table import ELECTRODES, LEADING
 from surae.model.laboratory import group_of
@@ -111,7 +111,8 @@ def quantities(
             deviations = bent * total, bent * session, bent * model
             own = Message(alone, worded) if alone else ""
             unheard = _UNHEARD if np.any(evaluated.gradient[timing]) else ""
-            why = inadequate or own or unheard or extrapolated(evaluated, result) or ""
+            doubt = disputed(evaluated, fit)
+            why = inadequate or doubt or own or unheard or extrapolated(evaluated, result) or ""
             between = alone not in ("", ELECTRODES) and why is own
         by_name[m.name] = Quantity(
             m.name,

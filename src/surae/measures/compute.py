@@ -15,6 +15,7 @@ from surae.base.units import FloatArray
 from surae.base.words import Message
 from surae.inference import AssessedFit, FitResult, Grade, Verdict
 from surae.inference.judging.parameter import IDENTIFIED, percent
+from surae.inference.judging.reasons import OF_STIFFNESS
 from surae.inference.uncertainty.combined import Uncertainty
 from surae.measures.leg import Leg, NotDefinedError, leg_of, measured_range
 from surae.measures.measure import Measure, Measures
@@ -246,6 +247,8 @@ def _measure(evaluated: Evaluated, drawn: FloatArray | None, fit: AssessedFit) -
     share = known.repeat_half_width(g) / half if half > 0.0 else 0.0
     repeat = tuple(value + share * (end - value) for end in ci95)
     verdict, note = _judge(evaluated, ci95, fit)
+    if doubt := disputed(evaluated, fit):
+        verdict, note = Verdict.UNDETERMINED, doubt
     return replace(
         bare,
         ci95=ci95,
@@ -283,6 +286,16 @@ def _judge(
     if relative <= IDENTIFIED:
         return Verdict.IDENTIFIED, Message("note/known", percent=known)
     return Verdict.WEAK, Message("note/known-only", percent=known)
+
+
+def disputed(evaluated: Evaluated, fit: AssessedFit) -> Message | None:
+    """Which trial at rest contradicts a measure of the relaxed leg; None where none does."""
+    if not evaluated.point.definition.is_at_rest:
+        return None
+    against = fit.assessment.adequacy.against
+    told = (reason for reason in against if reason.code in OF_STIFFNESS)
+    first = next(told, None)
+    return None if first is None else Message("measure/disputed", reason=first.says)
 
 
 def extrapolated(evaluated: Evaluated, result: FitResult) -> Message | None:

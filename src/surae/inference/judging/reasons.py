@@ -7,6 +7,10 @@ from surae.base.file_form import filed
 from surae.base.frozen import FrozenDict
 from surae.base.words import Message, english
 
+#: Reasons that other trials of a leg give against its fit; the first are of its stiffness at rest.
+OF_STIFFNESS = ("other-slope", "other-holds", "other-stiffness", "apart")
+OF_OTHER_TRIALS = (*OF_STIFFNESS, "misses-trial", "mean-of-trial", "error-stands")
+
 
 @filed("says")
 @dataclass(frozen=True, slots=True)
