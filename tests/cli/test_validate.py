@@ -35,6 +35,8 @@ def test_the_figures_are_those_of_the_api(run, files, second) -> None:
         "vaf": predicted.vaf,
         "rmse_Nm": predicted.rmse,
         "bias_Nm": predicted.bias,
+        "torque_ci95_covers": predicted.covers,
+        "ridge_vaf": predicted.baselines.ridge,
         "r2": predicted.adequacy.r2,
         "grade": str(predicted.adequacy.grade),
         "reasons": list(predicted.adequacy.reasons),

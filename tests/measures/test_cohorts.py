@@ -12,7 +12,7 @@ import surae
 from surae.base.errors import InputError
 from surae.base.frozen import FrozenDict
 from surae.cohorts.members import populations, read_table
-from surae.cohorts.pooled import CohortMember, borrowed, pool, random_effects
+from surae.cohorts.pooled import CohortMember, borrowed, ends_of, pool, random_effects
 from surae.inference import Adequacy, Grade
 from surae.measures.compared import Quantities, Quantity
 from surae.protocol import Protocol, generate
@@ -282,3 +282,34 @@ def test_a_table_of_fits_is_a_cohort_with_its_file_and_page(table, tmp_path) -> 
     assert data["legs"] == 4
     assert "gone.json" in data["missing"]["S9 left"]
     assert data["quantities"]["passive_stiffness@10deg"]["groups"]["stroke"]["n"] == 3
+
+
+def reached(name: str, end: float, begin: float | None = None) -> CohortMember:
+    """A leg that was moved up to an angle [deg]."""
+    one = leg(name, 200.0, 5.0)
+    q = replace(
+        one.quantities.by_name["k_tri"],
+        name="end_stiffness",
+        kind="measure",
+        value=0.3,
+        total=0.02,
+        from_deg=end - 10.0 if begin is None else begin,
+        to_deg=end,
+    )
+    return replace(
+        one, quantities=replace(one.quantities, by_name=FrozenDict({"end_stiffness": q}))
+    )
+
+
+def test_legs_that_were_moved_to_other_angles_are_told_apart() -> None:
+    alike = [reached(f"L{i}", 19.5 + 0.1 * i) for i in range(4)]
+    assert ends_of(alike) is None
+    assert pool(alike).pooled["end_stiffness"].over == "9.5° to 19.5°"
+    assert pool(alike).note == ""
+    mixed = [*alike, reached("far", 34.4)]
+    assert ends_of(mixed) == (19.5, 34.4)
+    told = pool(mixed)
+    assert told.pooled["end_stiffness"].over == ""
+    assert "each leg over a range of its own" in told.note
+    begun = pool([*alike, reached("short", 19.5, 15.0)])
+    assert begun.pooled["end_stiffness"].is_mixed

@@ -126,6 +126,20 @@ def write_trial(path, trial):
 
 
 @pytest.fixture(scope="session")
+def relaxed_trial():
+    """Write a relaxed trial of a leg whose foot lay turned by so much [rad]."""
+
+    def write(path, seed, turned=0.0):
+        subject = virtual_subject(seed=seed)
+        trial = virtual_trial(subject, generate(MOVES), seed=5)
+        quiet = replace(trial, emg=1e-3 * trial.emg)
+        torque = simulate("muscle", subject.parameters, quiet)
+        write_trial(path, replace(quiet, torque=torque, angle=quiet.angle + turned))
+
+    return write
+
+
+@pytest.fixture(scope="session")
 def other_leg(tmp_path_factory):
     """A trial of another leg."""
     path = tmp_path_factory.mktemp("other") / "other.csv"

@@ -4,7 +4,7 @@ The joint fit takes longer than all others together, so it may run in a process 
 """
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
@@ -23,13 +23,18 @@ from surae.base.files import PathLike
 from surae.base.packed import finite
 from surae.base.records import from_plain, to_plain
 from surae.base.threads import cores
-from surae.inference import Grade
+from surae.inference import Grade, Prediction
 from surae.inference.diagnosis import STILL
+from surae.inference.judging.adequacy import doubted
 from surae.inference.judging.goodness import centred_r2, counted, vaf
-from surae.inference.judging.validation import predict_others
+from surae.inference.judging.reasons import OF_OTHER_TRIALS, Reason, against
+from surae.inference.judging.validation import covered, predict_others
+from surae.measures.agreement import AskedTrial, disagreements
 from surae.nerve.leg import Nerve
 from surae.processes import Child, End, Plain
 from surae.quality import Finding, Quality
+from surae.report.leg_cards import PASSIVE
+from surae.report.trials import contradictions
 from surae.settings import FitSettings
 from surae.signals import ModelInputs
 from surae.trials import Crossed, Trial, TrialSet, in_order_of_content, prepared_for
@@ -78,6 +83,7 @@ def run(
         except KeyboardInterrupt:
             work.interrupted = True
     work.crossed()
+    work.asked()
     result = work.result()
     if root is not None:
         write_summary(result, root)
@@ -201,6 +207,52 @@ class _Run:
                 self.predictions[name] = self._predicted(fit, (name,))
         if self.joint is not None:
             self.joint_predictions = self._predicted(self.joint, self.joined)
+
+    def asked(self) -> None:
+        """Hold the fit that stands for the leg against all else that the folder has of it."""
+        name, fit = "", self.joint
+        if fit is None and len(self.fits) == 1:
+            ((name, fit),) = self.fits.items()
+        if fit is None:
+            return
+        trials = self._asked(fit, self.joined if self.joint else (name,))
+        errors = {
+            trial.name: str(finding.message)
+            for trial in self.session.trials
+            if trial.name in self.quality
+            and trial.use in _ASKED
+            and (finding := self._wrong(trial.name)) is not None
+        }
+        reasons = disagreements(fit, trials, self.fits, errors) + _apart(self.fits, self.joint)
+        judged = doubted(fit.adequacy, reasons, OF_OTHER_TRIALS)
+        if judged == fit.adequacy:
+            return
+        fit = replace(fit, assessment=replace(fit.assessment, adequacy=judged))
+        if self.joint is None:
+            self.fits[name] = fit
+        else:
+            self.joint = fit
+        if self.root is not None:
+            fit.save(self.root / (JOINT if self.joint else fit_name(name)))
+
+    def _asked(self, fit: Fit, of: Sequence[str]) -> list[AskedTrial]:
+        """The trials that a fit is of, and those that it can predict."""
+        asked = []
+        relaxed = all(self.session[name].effort == "passive" for name in of)
+        for trial in self.session.trials:
+            if trial.name not in self.inputs or trial.use not in _ASKED:
+                continue
+            parts = self.inputs[trial.name]
+            predictions: tuple[Prediction, ...] = ()
+            if trial.name not in of:
+                if relaxed and trial.effort != "passive":
+                    continue
+                try:
+                    predictions = predict_others(fit.result, parts, fit.assessment.uncertainty)
+                except (InputError, ComputationError):
+                    continue  # its row says why
+            asked.append(AskedTrial(trial, parts, predictions))
+        return asked
 
     def _predicted(self, fit: Fit, of: tuple[str, ...]) -> dict[str, Crossed]:
         """How a fit of these trials follows every trial; without effort it knows no active one."""
@@ -354,6 +406,8 @@ def fit_apart(inputs: Plain, quality: Plain, settings: Plain, path: str) -> None
     ).save(path)
 
 
+#: Uses of trials that the fit of a leg is held against.
+_ASKED = ("fit", "hold")
 #: Why the fit of a passive trial predicts no active one: none of it shows what EMG does.
 NO_EFFORT = "no effort here"
 
@@ -364,28 +418,38 @@ def _known(trial: Trial) -> tuple[str, ...]:
     return (*still, *(("active-not-active",) if trial.effort == "passive" else ()))
 
 
+def _apart(alone: Mapping[str, Fit], joint: Fit | None) -> tuple[Reason, ...]:
+    """The trial that contradicts all together in parameters that stiffness rests on, if any."""
+    together = None if joint is None else joint.assessment
+    found = contradictions({name: fit.assessment for name, fit in alone.items()}, together)
+    names = sorted(PASSIVE & found.keys())
+    return (against("apart", trial=found[names[0]][0], names=", ".join(names)),) if names else ()
+
+
 def _crossed(fit: Fit, parts: Sequence[ModelInputs], fitted: bool) -> Crossed:
     """How a fit follows a trial, all parts of it together; one of its own as it was fitted."""
     moves = any(float(np.ptp(part.angle)) >= STILL for part in parts)
     grade = ""
+    covers = None
     if fitted:
         every = fit.result.problem.inputs
         errors = [counted(part, fit.result.residuals[every.index(part)]) for part in parts]
     else:
         try:
-            known = fit.assessment.uncertainty if moves else None
-            predictions = predict_others(fit.result, list(parts), known)
+            predictions = predict_others(fit.result, parts, fit.assessment.uncertainty)
         except (InputError, ComputationError) as error:
             return Crossed(reason=str(error))
         errors = [each.errors for each in predictions]
+        covers = finite(covered(predictions))
         grades = [str(each.adequacy.grade) for each in predictions if each.adequacy]
-        grade = max(grades, key=[str(each) for each in Grade].index, default="")
+        grade = max(grades, key=[str(each) for each in Grade].index, default="") if moves else ""
     measured, e = (np.concatenate(each) for each in zip(*errors, strict=True))
     return Crossed(
         finite(vaf(measured, e)),
         finite(centred_r2(errors)) if moves or fitted else None,
         finite(float(np.sqrt(np.mean(e**2)))),
         finite(float(e.mean())),
+        covers=covers,
         fitted=fitted,
         grade=grade,
     )

@@ -45,12 +45,34 @@ def show_predictions(predictions: "Sequence[api.Prediction]", paths: Sequence[st
     ]
     heads = ("recording", "VAF [%]", "RMSE [Nm]", "bias [Nm]")
     show_table(heads, rows, heads[1:])
+    for name, p in named:
+        _show_promise(name, p)
     for name, prediction in named:
         if (judged := prediction.adequacy) is not None:
             why = "; ".join(judged.reasons) or "it errs no more than the fit promises"
             show_line(f"{name}: {judged.grade}: {why}")
         for line in api.film_lines(name, [film.quality for film in prediction.fascicles]):
             show_line(line)
+
+
+def _show_promise(name: str, p: "api.Prediction") -> None:
+    """How wide a predicted torque's interval is, what it covers, and what others predict."""
+    if p.doubt is not None and p.covers is not None:
+        half = api.significant(float(p.doubt.half_width.mean()), 2)
+        show_line(
+            f"{name}: 95 % interval of the torque ± {half} Nm on average; it holds "
+            f"{api.percentage(p.covers)} % of the samples"
+        )
+    without = [
+        f"{what} {api.percentage(share)} %"
+        for what, share in (
+            ("the mean of the fit’s recordings", p.baselines.template),
+            ("a regression on angle, speed and EMG", p.baselines.ridge),
+        )
+        if share is not None
+    ]
+    if without:
+        show_line(f"{name}: VAF without a model: {', '.join(without)}")
 
 
 def show_answer(table: TextTable) -> None:

@@ -1,12 +1,14 @@
 """Many legs together: groups, their differences and changes, and each leg among them."""
 
+import math
+from dataclasses import replace
 from typing import Any
 
 from surae.base.files import PathLike
 from surae.base.progress import Progress
 from surae.base.setting import takes
 from surae.cohorts.members import measured, read_table, refitted
-from surae.cohorts.pooled import Cohort, borrowed, pool
+from surae.cohorts.pooled import Cohort, borrowed, ends_of, pool
 from surae.cohorts.settings import CohortSettings
 from surae.processes.runner import engine_of
 
@@ -54,8 +56,13 @@ def cohort(
     where = engine_of(dask, workers if dask else workers or 1)
     rows = read_table(table)
     members = measured(rows, settings.angles, where, progress=progress)
-    pooled = pool(members)
+    reached = ends_of(members)
+    end = math.inf
+    if reached is not None:  # legs are compared over what all of them reached
+        end = reached[0]
+        members = measured(rows, settings.angles, where, progress=progress, end=end)
+    pooled = replace(pool(members), reached=reached)
     if not settings.refit:
         return pooled
-    again, rounds = refitted(rows, members, settings.angles, where, progress)
+    again, rounds = refitted(rows, members, settings.angles, where, progress, end)
     return borrowed(pooled, again, rounds)

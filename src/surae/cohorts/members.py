@@ -105,12 +105,17 @@ def measured(
     engine: Engine,
     priors: Mapping[str, PriorTable] | None = None,
     progress: Progress | None = None,
+    end: float = math.inf,
 ) -> list[CohortMember]:
-    """The rows with what their fits bring; with priors by group, of fits made anew with them."""
+    """The rows with what their fits bring; with priors by group, of fits made anew with them.
+
+    Measures of the range are of that up to `end` [deg], without it of each leg's own.
+    """
     calls = {
         str(i): {
             "path": str(path),
             "angles": list(angles),
+            "end": end if math.isfinite(end) else None,
             "priors": None if priors is None else priors.get(member.group, priors.get("", {})),
         }
         for i, (path, member) in enumerate(rows)
@@ -136,7 +141,11 @@ def measured(
 
 
 def quantities_of(
-    *, path: str, angles: list[float], priors: dict[str, list[float]] | None
+    *,
+    path: str,
+    angles: list[float],
+    priors: dict[str, list[float]] | None,
+    end: float | None = None,
 ) -> dict[str, Any]:
     """What one fit brings, as plain data; the reason where there is none.
 
@@ -156,7 +165,7 @@ def quantities_of(
             settings = FitSettings.of(problem.settings, priors={**problem.settings.priors, **known})
             result = solve(make_problem(problem.inputs, settings))
             fit = AssessedFit(result, assess(result, alternatives=True))
-        brought = quantities(fit, angles)
+        brought = quantities(fit, angles, math.inf if end is None else end)
     except SuraeError as error:
         return {"error": str(error)}
     return dict(to_plain(brought))
@@ -215,12 +224,13 @@ def refitted(
     angles: Sequence[float],
     engine: Engine,
     progress: Progress | None = None,
+    end: float = math.inf,
 ) -> tuple[list[CohortMember], int]:
     """Every leg fitted again with its population, until that rests; and the rounds it took."""
     known = populations(members)
     latest = list(members)
     for number in range(1, _ROUNDS + 1):
-        latest = measured(rows, angles, engine, known, progress)
+        latest = measured(rows, angles, engine, known, progress, end)
         renewed = populations(latest, known)
         moved = [
             abs(math.log(renewed[g][n][0] / median)) / spread

@@ -8,7 +8,7 @@ Of a leg with several sessions the first counts for its group, and last minus fi
 
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any
@@ -27,9 +27,12 @@ from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
 from surae.measures.change import compare_sessions, holm
 from surae.measures.compared import Quantities, Quantity
+from surae.measures.table import LEADING
 
 #: Legs from which a mean and a spread are estimated.
 FEWEST = 3
+#: Degrees by which ends of ranges may differ and still be one.
+_ALIKE = 0.5
 
 
 @filed("se", "tau2", k="n", ci95="ci95", between="sd_between")
@@ -172,6 +175,23 @@ class PooledQuantity:
     scales: FrozenDict[str, Correlation]
     left_out: FrozenDict[str, int]  #: Legs without a value, by reason.
     at_bound: int  #: Legs whose value lies at a bound.
+    #: Of one over the range that was moved: the least and the largest of the angles [deg] from
+    #: which, and to which, a leg's is taken; None of others.
+    begins: tuple[float, float] | None = None
+    ends: tuple[float, float] | None = None
+
+    @property
+    def over(self) -> str:
+        """What it is taken over, where that is the same in all legs; else empty."""
+        if self.begins is None or self.ends is None or self.is_mixed:
+            return ""
+        return f"{self.begins[0]:.1f}° to {self.ends[0]:.1f}°"
+
+    @property
+    def is_mixed(self) -> bool:
+        """Whether legs have it over ranges of their own, which differ."""
+        sides = [each for each in (self.begins, self.ends) if each is not None]
+        return any(high - low > _ALIKE for low, high in sides)
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -181,17 +201,28 @@ class Cohort(Tabular, Saved):
     members: tuple[CohortMember, ...]
     pooled: FrozenDict[str, PooledQuantity]
     rounds: int = 0
+    #: Least and largest angle [deg] that legs reached, where these differ; else None.
+    reached: tuple[float, float] | None = None
 
     @property
     def note(self) -> str:
-        """What intervals of groups do not hold, where there are very many legs; else empty."""
+        """What is to be read with care: ranges that differ, and intervals of very many legs."""
+        notes = []
+        if self.reached is not None:
+            low, high = self.reached
+            notes.append(
+                f"some legs were moved to {low:.1f}° and others to {high:.1f}°: what is of the end "
+                f"of the range is compared at {low:.1f}°, which all reached"
+            )
+        if mixed := [p.name for p in self.pooled.values() if p.is_mixed]:
+            notes.append(f"{', '.join(mixed)}: each leg over a range of its own, and these differ")
         most = max((e.k for p in self.pooled.values() for e in p.groups.values()), default=0)
-        if most <= _MANY:
-            return ""
-        return (
-            f"with {most} legs in a group, intervals of means and differences are narrower than "
-            "what all fits are wrong in alike: a small difference may be none"
-        )
+        if most > _MANY:
+            notes.append(
+                f"with {most} legs in a group, intervals of means and differences are narrower "
+                "than what all fits are wrong in alike: a small difference may be none"
+            )
+        return "; ".join(notes)
 
     def as_table(self) -> TextTable:
         """Every group, then differences and changes that are shown, and who is left out."""
@@ -212,6 +243,7 @@ class Cohort(Tabular, Saved):
                         text.interval,
                         spread,
                         p.unit,
+                        p.over,
                         str(p.at_bound or ""),
                         left_out,
                     )
@@ -235,6 +267,7 @@ class Cohort(Tabular, Saved):
             "95 % interval",
             "spread",
             "unit",
+            "over",
             "at a bound",
             "left out",
         )
@@ -253,6 +286,26 @@ class Cohort(Tabular, Saved):
                 for p in self.pooled.values()
             },
         }
+
+
+def ends_of(members: Sequence[CohortMember]) -> tuple[float, float] | None:
+    """Least and largest angle [deg] that the legs reached; None where these do not differ."""
+    reached = [
+        q.to_deg
+        for m in members
+        if m.quantities is not None
+        and (q := m.quantities.by_name.get(LEADING[0])) is not None
+        and q.to_deg is not None
+    ]
+    if not reached or max(reached) - min(reached) <= _ALIKE:
+        return None
+    return min(reached), max(reached)
+
+
+def _extent(angles: Iterable[float | None]) -> tuple[float, float] | None:
+    """The least and the largest of the angles that there are."""
+    known = [angle for angle in angles if angle is not None]
+    return (min(known), max(known)) if known else None
 
 
 def pool(members: Sequence[CohortMember]) -> Cohort:
@@ -348,6 +401,8 @@ def _pooled(
         _scales([(m, y) for m, q, y, _ in usable if not q.at_bound]),
         FrozenDict(left_out),
         at_bound,
+        _extent(q.from_deg for _, q, _, _ in usable),
+        _extent(q.to_deg for _, q, _, _ in usable),
     )
 
 

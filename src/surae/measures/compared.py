@@ -13,7 +13,14 @@ from surae.base.records import OrNaN
 from surae.base.words import Message
 from surae.inference import Adequacy, AssessedFit, FitResult, Grade
 from surae.inference.judging.reasons import Scope, scopes_of
-from surae.measures.compute import ANGLES, extrapolated, judged_measures, points, rests_on
+from surae.measures.compute import (
+    ANGLES,
+    disputed,
+    extrapolated,
+    judged_measures,
+    points,
+    rests_on,
+)
 from surae.measures.leg import leg_of
 from surae.measures.table import ELECTRODES, LEADING
 from surae.model.laboratory import group_of
@@ -113,7 +120,8 @@ def quantities(
             deviations = bent * total, bent * session, bent * model
             own = Message(alone, worded) if alone else ""
             unheard = _UNHEARD if np.any(evaluated.gradient[timing]) else ""
-            why = inadequate or own or unheard or extrapolated(evaluated, result) or ""
+            doubt = disputed(evaluated, fit)
+            why = inadequate or doubt or own or unheard or extrapolated(evaluated, result) or ""
             between = alone not in ("", ELECTRODES) and why is own
         by_name[m.name] = Quantity(
             m.name,

@@ -16,7 +16,7 @@ from surae.base.units import FloatArray
 from surae.base.words import Message
 from surae.inference import AssessedFit, FitResult, Verdict
 from surae.inference.judging.parameter import percent
-from surae.inference.judging.reasons import Scope, scopes_of
+from surae.inference.judging.reasons import OF_STIFFNESS, Scope, scopes_of
 from surae.inference.judging.verdict import ANGLE, PART, verdict_of
 from surae.inference.uncertainty.combined import Uncertainty
 from surae.measures.leg import Leg, NotDefinedError, leg_of, measured_range
@@ -246,6 +246,8 @@ def _measure(evaluated: Evaluated, drawn: FloatArray | None, fit: AssessedFit) -
     share = known.repeat_half_width(g) / half if half > 0.0 else 0.0
     repeat = tuple(value + share * (end - value) for end in ci95)
     verdict, note = _judge(evaluated, ci95, fit)
+    if doubt := disputed(evaluated, fit):
+        verdict, note = Verdict.UNDETERMINED, doubt
     return replace(
         bare,
         ci95=ci95,
@@ -298,6 +300,16 @@ def rests_on(evaluated: Evaluated, fit: AssessedFit) -> frozenset[Scope]:
     groups = {p.name: p.group for p in fit.result.problem.spec.parameters}
     pairs = zip(known.names, parts, strict=True)
     return scopes_of((name, groups.get(name, ""), part) for name, part in pairs)
+
+
+def disputed(evaluated: Evaluated, fit: AssessedFit) -> Message | None:
+    """Which trial at rest contradicts a measure of the relaxed leg; None where none does."""
+    if not evaluated.point.definition.is_at_rest:
+        return None
+    against = fit.assessment.adequacy.against
+    told = (reason for reason in against if reason.code in OF_STIFFNESS)
+    first = next(told, None)
+    return None if first is None else Message("measure/disputed", reason=first.says)
 
 
 def extrapolated(evaluated: Evaluated, result: FitResult) -> Message | None:

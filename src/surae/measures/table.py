@@ -79,6 +79,11 @@ class Definition:
         return self.compute(leg, at, self.of) if self.of else self.compute(leg, at)
 
     @property
+    def is_at_rest(self) -> bool:
+        """Whether trials at rest show it, of the leg or of a muscle group."""
+        return self.name.removesuffix(f"_{self.of}") in AT_REST
+
+    @property
     def meaning(self) -> str:
         """What it is, in one sentence."""
         return self._paragraphs()[0]
@@ -105,6 +110,19 @@ _MOVEMENT = "alone/movement"
 _FILM = "alone/film"
 #: What stands first everywhere, for it needs no zero of the angle.
 LEADING = ("end_stiffness", "end_torque")
+#: Those of the relaxed leg that its trials at rest show by themselves, whatever a model says.
+AT_REST = frozenset(
+    (
+        *LEADING,
+        "torque_rise",
+        "passive_torque",
+        "passive_stiffness",
+        "quick_stiffness",
+        "slow_torque",
+        "slow_stiffness",
+        "neutral_angle",
+    )
+)
 #: Why a measure in units of EMG cannot be compared between sessions.
 ELECTRODES = "alone/electrodes"
 

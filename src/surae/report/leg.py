@@ -7,6 +7,7 @@ import numpy as np
 
 from surae.base.units import FloatArray
 from surae.inference import AssessedFit
+from surae.inference.judging.reasons import OF_STIFFNESS, Reason
 from surae.measures import Measures, measures
 from surae.measures.change import Change, compare_sessions
 from surae.measures.compared import Quantities, common_end, quantities
@@ -16,7 +17,6 @@ from surae.measures.norms import Norm, read_norms
 from surae.measures.table import LEADING
 from surae.measures.torque_curve import (
     HeldPoint,
-    MeasuredSlope,
     Stretch,
     TorqueCurve,
     measured_slope,
@@ -71,7 +71,9 @@ def leg_answers(
         angles = {at, *ANGLES, *(_point(norm) for norm in known)}
         of_fit = measures(joint, sorted(angles))
     m = None if of_fit is None else of_fit[LEADING[0]]
-    believed = m is not None and leg_cards.is_known(m) and not leg_cards.PASSIVE & set(contradicted)
+    disputed = None if joint is None else disputes(joint)
+    told = m is not None and (leg_cards.is_known(m) or (disputed and m.ci95 is not None))
+    believed = told and (disputed or not leg_cards.PASSIVE & set(contradicted))
     model = torque_curve(joint) if joint is not None and believed else None
     if joint is not None and model is not None:  # what was measured, as the curve and norms are
         result = joint.result
@@ -79,12 +81,11 @@ def leg_answers(
     zero = 0.0 if model is None else _zero(model, holds, stretches)
     holds, stretches = _without(lambda _: zero, holds, stretches)
     slope = measured_slope(holds, stretches, at)
-    follows = model is None or _follows(model, holds, slope)
-    if m is not None and of_fit is not None and model is not None and follows:
+    if m is not None and of_fit is not None and model is not None and disputed is None:
         stiff = leg_cards.modelled_stiffness(m, of_fit, known, slope, _)
     else:
         stiff = leg_cards.measured_stiffness(
-            slope, None if follows else m, _, without_weight=model is not None
+            slope, m, disputed, _, without_weight=model is not None
         )
     parts = [] if of_fit is None else leg_cards.parts_of(of_fit)
     made = leg_cards.made_of(joint, of_fit, parts, _)
@@ -115,7 +116,7 @@ def leg_answers(
         (
             _("Can I trust it?"),
             (
-                *leg_cards.trust(joint, contradicted, follows=follows, _=_),
+                *leg_cards.trust(joint, contradicted, _),
                 *leg_cards.next_trial(joint, holds, stretches, _),
             ),
             "trust",
@@ -212,15 +213,10 @@ def _zero(model: TorqueCurve, holds: Sequence[HeldPoint], stretches: Sequence[St
     return float(np.median(beyond)) if beyond else 0.0
 
 
-def _follows(model: TorqueCurve, holds: Sequence[HeldPoint], slope: MeasuredSlope | None) -> bool:
-    """Whether the model's torque rises over the held angles as what was measured at them."""
-    if slope is None or not slope.holds or slope.interval is None:
-        return True
-    angle = np.array([h.angle for h in holds])
-    modelled = np.interp(angle, model.angle, model.torque)
-    away = angle - angle.mean()
-    rise = float(away @ modelled / (away @ away))
-    return slope.interval[0] <= rise <= slope.interval[1]
+def disputes(fit: AssessedFit) -> Reason | None:
+    """What trials at rest say against the stiffness of a leg's fit, first; None where nothing."""
+    told = fit.assessment.adequacy.against
+    return next((reason for reason in told if reason.code in OF_STIFFNESS), None)
 
 
 def _point(norm: Norm) -> float:

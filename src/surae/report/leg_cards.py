@@ -7,7 +7,9 @@ import numpy as np
 
 from surae.base.formatting import NO_NUMBER, short, significant
 from surae.inference import Adequacy, AssessedFit, Assessment, Grade, Verdict
+from surae.inference.judging.reasons import OF_OTHER_TRIALS, Reason
 from surae.measures import Measure, Measures
+from surae.measures.agreement import said_of
 from surae.measures.change import Change, ChangeVerdict, Difference
 from surae.measures.norms import Norm, placed
 from surae.measures.table import LEADING
@@ -26,6 +28,8 @@ _UNSURE = 30.0
 PASSIVE = {"k_tri", "x0_tri", "k_tib", "x0_tib", "k_rel"}
 #: Calf muscles among the channels of the EMG.
 _CALF = slice(1, 4)
+#: A part is most of the torque where all of its interval is above this [%].
+_HALF = 50.0
 #: Share of the torque from which a part is written [%].
 _WRITTEN = 1.0
 
@@ -67,9 +71,14 @@ def modelled_stiffness(
 
 
 def measured_stiffness(
-    slope: MeasuredSlope | None, against: Measure | None, _: Words, *, without_weight: bool = False
+    slope: MeasuredSlope | None,
+    modelled: Measure | None,
+    disputed: Reason | None,
+    _: Words,
+    *,
+    without_weight: bool = False,
 ) -> tuple[block.Block, ...]:
-    """The measured slope where there is one; `against` is the model's, which it contradicts.
+    """The measured slope where there is one, and why not what is `modelled`: what is `disputed`.
 
     `without_weight`: whether the weight that the model found was taken out of what was measured.
     """
@@ -81,14 +90,14 @@ def measured_stiffness(
             ),
         )
     why = _("The model cannot yet separate stiffness from the rest.")
-    if against is not None and against.value is not None:
-        value, span = _.estimate(against.value, against.ci95)
+    if disputed is not None and modelled is not None and modelled.value is not None:
+        value, span = _.estimate(modelled.value, modelled.ci95)
         why = _(
-            "The model’s stiffness {range}, {value} Nm/° ({span}), does not agree with the "
-            "held angles.",
+            "The model’s stiffness {range}, {value} Nm/° ({span}), does not stand: {reason}.",
             value=value,
-            range=over(against, _),
+            range=over(modelled, _),
             span=span,
+            reason=_(disputed.plain),
         )
     value, origin = _slope(slope, _)
     weight = _("This is the measured slope; it includes the foot’s weight.")
@@ -182,10 +191,7 @@ def made_of(
         why = _("The fit is not good enough.")
     if why:
         return block.Text("", "say", _("Cannot separate")), block.Text(why), _tendon(of_fit, _)
-    largest = max((0, 1), key=lambda k: parts[k][1])
-    headline = _("Both tissue and muscle")
-    if parts[largest][1] > 50.0:
-        headline = _("Mostly active muscle") if largest else _("Mostly tissue")
+    headline = share_words(parts, _)
     numbers = " · ".join(
         f"{_(message)} {value:.0f} % ({_.span(f'{max(ci[0], 0):.0f}', f'{min(ci[1], 100):.0f}')})"
         for message, value, ci in parts
@@ -194,6 +200,19 @@ def made_of(
     alt = _("Shares of the torque: {numbers}", numbers=numbers)
     picture = block.Picture("made", alt, numbers, "here", 100)
     return block.Text(_("in these trials"), "say", headline), picture, _tendon(of_fit, _)
+
+
+def share_words(parts: Sequence[Part], _: Words) -> str:
+    """Which of tissue and muscle resists, as far as the intervals of their shares tell."""
+    (_tissue, _value, tissue), (_muscle, _other, muscle) = parts[:2]
+    low_tissue, low_muscle = (0.0 if ci is None else ci[0] for ci in (tissue, muscle))
+    if low_tissue > _HALF:
+        return _("Mostly tissue")
+    if low_muscle > _HALF:
+        return _("Mostly active muscle")
+    if min(low_tissue, low_muscle) > 0.0:
+        return _("Both tissue and muscle")
+    return _("Not clear which resists more")
 
 
 def _no_calf(joint: AssessedFit) -> bool:
@@ -287,31 +306,34 @@ def light(adequacy: Adequacy, reason: str, _: Words) -> block.AdequacyWords:
 
 
 def trust(
-    joint: AssessedFit | None, contradicted: Sequence[str], *, follows: bool, _: Words
+    joint: AssessedFit | None, contradicted: Sequence[str], _: Words
 ) -> tuple[block.Block, ...]:
-    """One light with the reason that weighs most; `follows` is whether holds agree."""
+    """One light with the reason that weighs most, and what to do about a trial that disagrees."""
     if joint is None:
         none = Adequacy(Grade.INADEQUATE, (), np.nan)
         return (light(none, _("there is no fit of this leg as a whole"), _),)
     result = joint.result
     assessment = joint.assessment
     adequacy = assessment.adequacy
-    if adequacy.grade is Grade.ADEQUATE and (contradicted or not follows):
+    if adequacy.grade is Grade.ADEQUATE and contradicted:
         adequacy = replace(adequacy, grade=Grade.DOUBTFUL)
-    reason = _("the model’s stiffness does not agree with the held angles")
-    if follows:
-        reason = reason_of(assessment, contradicted, _)
+    reason = reason_of(assessment, contradicted, _)
     followed = _.many(
         "The model follows {r2} % of the torque’s changes in {n} trial.",
         "The model follows {r2} % of the torque’s changes in {n} trials.",
         len(result.problem.inputs),
         r2=_.number(f"{adequacy.r2:.1f}".replace("-", "−")),
     )
-    return light(adequacy, reason, _), block.Text(followed)
+    other = [each for each in adequacy.against if each.code in OF_OTHER_TRIALS]
+    advised = (block.Text(_(said_of(other[0]))),) if other else ()
+    return light(adequacy, reason, _), *advised, block.Text(followed)
 
 
 def reason_of(assessment: Assessment, contradicted: Sequence[str], _: Words) -> str:
-    """The one reason that weighs most, in plain words."""
+    """The one reason that weighs most, in plain words: first what a trial by its name says."""
+    against = assessment.adequacy.against
+    if named := [each for each in against if each.code in OF_OTHER_TRIALS]:
+        return _(named[0].plain)
     if contradicted and PASSIVE & set(contradicted):
         return _.many(
             "{n} value differs between trials",
@@ -330,7 +352,6 @@ def reason_of(assessment: Assessment, contradicted: Sequence[str], _: Words) -> 
             "{n} values reached their limits and can’t be trusted",
             bound,
         )
-    against = assessment.adequacy.against
     return _(against[0].plain) if against else _("nothing speaks against these numbers")
 
 

@@ -198,7 +198,7 @@ def common_errors(
     return tuple(said)
 
 
-@filed(rmse="rmse_Nm", bias="bias_Nm")
+@filed(rmse="rmse_Nm", bias="bias_Nm", covers="torque_ci95_covers")
 @dataclass(frozen=True, slots=True)
 class Crossed:
     """How a fit follows a trial."""
@@ -210,6 +210,8 @@ class Crossed:
     #: `rmse`, `bias`: root mean square and mean of measured minus predicted torque [Nm].
     rmse: float | None = None
     bias: float | None = None
+    #: Samples within the 95 % interval of their predicted torque [%]; None where it was in the fit.
+    covers: float | None = None
     fitted: bool = False  #: The trial was in the fit, so agreement is no test.
     #: Whether it is predicted as well as the fit promises, see `Adequacy`; empty where it was in
     #: the fit, or its torque hardly changes.

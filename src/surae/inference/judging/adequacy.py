@@ -18,10 +18,10 @@ from surae.base.units import FloatArray
 from surae.inference import FitResult
 from surae.inference.judging.fascicles import fascicles_of
 from surae.inference.judging.goodness import centred_r2, counted
+from surae.inference.judging.predicted import TorqueDoubt
 from surae.inference.judging.random_effects import farthest_apart
 from surae.inference.judging.reasons import Reason, Scope, against
 from surae.inference.posterior.conflict import SAID
-from surae.inference.uncertainty.combined import Uncertainty
 from surae.model.joint import Joint
 from surae.model.laboratory import group_of
 from surae.model.source import Gaussian
@@ -55,7 +55,7 @@ _CONTRADICTS = 5.0
 #: What a hold may leave of its torque, in what recordings leave; of two virtual sets 1.2 and 1.7.
 _LEAVES = 2.0
 #: Errors of a prediction, in those that the fit promises, from which on it does not keep its word.
-_BEYOND = 2.0
+BEYOND = 2.0
 #: Standard deviation [mm] from which on a filmed fascicle departs by more than trackers drift.
 _OFF_FILM = 2.5
 #: Least softening that matters, and its standard deviations from which it is no chance: set on
@@ -310,11 +310,7 @@ def _unlike(result: FitResult, odd: Sequence[Reason]) -> Iterator[Reason]:
 
 
 def judge_prediction(
-    result: FitResult,
-    known: Uncertainty,
-    recording: ModelInputs,
-    measured: FloatArray,
-    e: FloatArray,
+    doubt: TorqueDoubt, recording: ModelInputs, joint: Joint, measured: FloatArray, e: FloatArray
 ) -> Adequacy:
     """Judge how a fit predicts a recording that it has not seen, against what it promises.
 
@@ -327,38 +323,20 @@ def judge_prediction(
     if not np.isfinite(r2):
         return _graded([against("unchanging", grave=True)], r2)
     reasons = list(_goodness(r2))
-    joint = result.problem.options.anatomy
     if _range([recording]) < _STILL:
         reasons = [against("held-still", joint.worded)]
-    promised = _promised(result, known, recording, float(np.std(measured)))
     error = float(np.sqrt(np.mean(changes**2)))
-    if not error <= _BEYOND * promised:
-        reasons.append(against("errs", error=error, promised=promised))
-    if not abs(bias) <= _BEYOND * promised:
-        reasons.append(against("mean-off", joint.worded, bias=bias))
+    if not error <= BEYOND * doubt.of_changes:
+        reasons.append(against("errs", error=error, promised=doubt.of_changes))
+    if not abs(bias) <= BEYOND * doubt.of_mean:
+        reasons.append(against("mean-off", bias=bias, promised=BEYOND * doubt.of_mean))
     return _graded(reasons, r2)
 
 
-def _promised(
-    result: FitResult, known: Uncertainty, recording: ModelInputs, changing: float
-) -> float:
-    """Standard deviation [Nm] of the error that a fit promises of another recording's changes.
-
-    It is like the fit's own, in proportion where the torque is `changing` more, and what the
-    covariance makes of the predicted torque.
-    """
-    problem = result.problem
-    pairs = zip(*map(counted, problem.inputs, result.residuals), strict=True)
-    changes, own = (np.concatenate([part - part.mean() for part in each]) for each in pairs)
-    grown = max(1.0, changing / max(float(np.std(changes)), 1e-12))
-    columns = problem.columns
-    values = problem.spec.vector(result.values, problem.options)
-    _, rows = problem.spec.simulator(recording, problem.options).torque_jacobian(values, columns)
-    rows = rows[:, recording.counts]
-    rows = rows - rows.mean(axis=1, keepdims=True)
-    V = known.covariance(*problem.free)
-    unsure = float(np.einsum("in,ij,jn->n", rows, V, rows, optimize=True).mean())
-    return float(np.sqrt((grown * np.std(own)) ** 2 + max(unsure, 0.0)))
+def doubted(adequacy: Adequacy, reasons: Sequence[Reason], codes: Collection[str]) -> Adequacy:
+    """The judgement with what other trials of the leg say against it, as the only such `codes`."""
+    own = [reason for reason in adequacy.against if reason.code not in codes]
+    return _graded([*own, *reasons], adequacy.r2)
 
 
 def structure(inputs: Sequence[ModelInputs], residuals: Sequence[FloatArray]) -> float:

@@ -62,6 +62,11 @@ def scopes_of(parts: Iterable[tuple[str, str, float]]) -> frozenset[Scope]:
     return frozenset(largest)
 
 
+#: Reasons that other trials of a leg give against its fit; the first are of its stiffness at rest.
+OF_STIFFNESS = ("other-slope", "other-holds", "other-stiffness", "apart")
+OF_OTHER_TRIALS = (*OF_STIFFNESS, "misses-trial", "mean-of-trial", "error-stands")
+
+
 @filed("says")
 @dataclass(frozen=True, slots=True)
 class Reason:
@@ -87,7 +92,7 @@ class Reason:
     def plain(self) -> Message:
         """What the leg's page says of it."""
         code = f"plainly/{self.code}"
-        return Message(code if code in english() else "plainly/said")
+        return Message(code if code in english() else "plainly/said", **self.values)
 
     def __str__(self) -> str:
         """The sentence."""

@@ -1,7 +1,7 @@
 """Parameters of some recordings tried on others (thesis 2.7)."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -10,8 +10,10 @@ from surae.base.frozen import Comparable
 from surae.base.units import FloatArray
 from surae.inference import FitResult
 from surae.inference.judging.adequacy import Adequacy, judge_prediction
+from surae.inference.judging.baselines import Baselines, baselines
 from surae.inference.judging.fascicles import Fascicles, followed
 from surae.inference.judging.goodness import counted, rmse, vaf
+from surae.inference.judging.predicted import TorqueDoubt, torque_doubt
 from surae.inference.uncertainty.combined import Uncertainty
 from surae.model import check_finite_torque
 from surae.recording import MUSCLES
@@ -35,14 +37,26 @@ class Prediction(Comparable):
     measured: FloatArray  #: Torque [Nm], shape (n,).
     #: Of the samples, shape (n,); those of weight 0 are in no figure. None: all count.
     weight: FloatArray | None = None
+    #: How unsure its torque is where samples count; None where that was not asked.
+    doubt: TorqueDoubt | None = None
     #: Whether it is as good as the fit promises; None where that was not judged.
     adequacy: Adequacy | None = None
+    #: What the fit's recordings predict of it without a model.
+    baselines: Baselines = field(default_factory=Baselines)
     fascicles: tuple[Fascicles, ...] = ()  #: Filmed lengths, measured and predicted.
 
     def __repr__(self) -> str:
         judged = "" if self.adequacy is None else f"{self.adequacy.grade}, "
         errors = f"RMSE {self.rmse:.3g} Nm, bias {self.bias:.3g} Nm"
         return f"prediction of {self.name!r}: {judged}VAF {self.vaf:.2f} %, {errors}"
+
+    @property
+    def covers(self) -> float | None:
+        """Samples whose measured torque lies within the 95 % interval of the predicted [%]."""
+        if self.doubt is None:
+            return None
+        _, missed = self.errors
+        return float(100.0 * np.mean(np.abs(missed) <= self.doubt.half_width))
 
     @property
     def errors(self) -> tuple[FloatArray, FloatArray]:
@@ -65,6 +79,13 @@ def pooled(predictions: Sequence[Prediction]) -> PooledPrediction:
     errors = [prediction.errors for prediction in predictions]
     measured, residual = (np.concatenate(each) for each in zip(*errors, strict=True))
     return PooledPrediction(vaf(measured, residual), rmse(residual), float(residual.mean()))
+
+
+def covered(predictions: Sequence[Prediction]) -> float:
+    """Samples of all that lie within the 95 % interval of their predicted torque [%]."""
+    own = [p.covers for p in predictions if p.covers is not None]
+    sizes = [len(p.errors[1]) for p in predictions if p.covers is not None]
+    return float(np.average(own, weights=sizes)) if own else np.nan
 
 
 def predict_others(
@@ -100,6 +121,10 @@ def predict_others(
             torque = spec.simulator(recording, options).torque(vector)
         check_finite_torque(torque, recording)
         measured, residual = counted(recording, recording.torque - torque)
+        doubt = None if known is None else torque_doubt(result, known, recording)
+        judged = None
+        if doubt is not None:
+            judged = judge_prediction(doubt, recording, options.anatomy, measured, residual)
         predictions.append(
             Prediction(
                 recording.name,
@@ -111,7 +136,9 @@ def predict_others(
                 recording.time,
                 recording.torque,
                 recording.weight,
-                judge_prediction(result, known, recording, measured, residual) if known else None,
+                doubt,
+                judged,
+                Baselines() if known is None else baselines(problem.inputs, recording),
                 followed(spec, options, result.values, recording),
             )
         )
