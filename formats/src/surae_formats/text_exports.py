@@ -16,7 +16,7 @@ from surae.base.errors import InputError
 from surae.base.units import FACTORS, spelled
 from surae.recording.body import body_of
 from surae.recording.delimited import table_of
-from surae.recording.headings import Heading
+from surae.recording.headings import TableHeading
 from surae.recording.source import Source
 from surae.recording.table import Clock, Column, Table
 
@@ -60,7 +60,7 @@ def open_table(source: Source) -> Table:
         ) from None
     if len(said.names) < 1 or not np.isfinite(said.rate_hz):
         raise InputError(f"{source.shown}: {program} names no channel here")
-    head = Heading(
+    head = TableHeading(
         said.row, _apart(said.names), said.delimiter, {}, said.units, rate_hz=said.rate_hz
     )
     body = body_of(source, head)

@@ -5,7 +5,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from surae.recording.headings import Heading, numeric
+from surae.recording.headings import TableHeading, numeric
 from surae.recording.rows import is_clock, split
 from surae.recording.source import Source
 from surae.recording.table import some
@@ -26,7 +26,7 @@ class Body:
     remark: str = ""  #: What was left out or read otherwise.
 
 
-def body_of(source: Source, head: Heading) -> Body:
+def body_of(source: Source, head: TableHeading) -> Body:
     """The text without lines below its numbers, and without headings that are repeated."""
     remarks = []
     commas = head.delimiter == "," and _QUOTED_COMMA.search(source.data)
@@ -40,7 +40,7 @@ def body_of(source: Source, head: Heading) -> Body:
     return Body(source, "; ".join(filter(None, (*remarks, said))))
 
 
-def _is_row(head: Heading) -> Callable[[str], bool]:
+def _is_row(head: TableHeading) -> Callable[[str], bool]:
     """Whether a line is one of the numbers: by the count of its cells, and a number first."""
     count = len(head.names)
 
@@ -59,7 +59,7 @@ def _is_row(head: Heading) -> Callable[[str], bool]:
     return whole
 
 
-def _without_end(source: Source, head: Heading) -> tuple[Source, str]:
+def _without_end(source: Source, head: TableHeading) -> tuple[Source, str]:
     """The text up to its last row of numbers, and what stands below it."""
     begin = max(len(source.data) - _TAIL, 0)
     tail = source.data[begin:]
@@ -93,13 +93,13 @@ def _mostly_rows(texts: list[str], last: int, whole: Callable[[str], bool]) -> b
     return len(above) < 1 or sum(map(whole, above)) > len(above) / 2
 
 
-def _first_is_number(head: Heading, texts: list[str]) -> bool:
+def _first_is_number(head: TableHeading, texts: list[str]) -> bool:
     """Whether rows begin with a number or a time of day, as most do."""
     few = [text for text in texts[1:-1] if text.strip()][:20]
     return sum(_number_first(text, head) for text in few) > len(few) / 2
 
 
-def _number_first(text: str, head: Heading) -> bool:
+def _number_first(text: str, head: TableHeading) -> bool:
     try:
         cell = split(text, head.delimiter)[0]
     except (csv.Error, IndexError):
@@ -107,7 +107,7 @@ def _number_first(text: str, head: Heading) -> bool:
     return numeric(cell if head.delimiter == "," else cell.replace(",", ".")) or is_clock(cell)
 
 
-def _is_part(text: str, head: Heading) -> bool:
+def _is_part(text: str, head: TableHeading) -> bool:
     """Whether a line is the beginning of a row of numbers."""
     try:
         cells = split(text, head.delimiter)
@@ -118,7 +118,7 @@ def _is_part(text: str, head: Heading) -> bool:
     )
 
 
-def _without_headings(source: Source, head: Heading) -> tuple[Source, int]:
+def _without_headings(source: Source, head: TableHeading) -> tuple[Source, int]:
     """The text without its heading where it comes again, each line left as a comment.
 
     What stands right above a heading that comes again, of another number of cells, goes with it.

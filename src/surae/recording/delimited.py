@@ -15,7 +15,7 @@ import numpy as np
 from surae.base.errors import InputError
 from surae.base.units import FloatArray, plain
 from surae.recording.body import body_of
-from surae.recording.headings import Heading, heading_of, numeric
+from surae.recording.headings import TableHeading, heading_of, numeric
 from surae.recording.roles import NAMES, guess_role
 from surae.recording.rows import Rows, is_clock, split
 from surae.recording.source import Source
@@ -63,7 +63,7 @@ def open_table(source: Source, clock: Clock | None = None) -> Table:
 
 def table_of(
     source: Source,
-    head: Heading,
+    head: TableHeading,
     clock: Clock | None,
     *,
     form: str = "CSV",
@@ -132,12 +132,12 @@ def table_of(
     )
 
 
-def _clock(head: Heading, where: str) -> Clock | None:
+def _clock(head: TableHeading, where: str) -> Clock | None:
     """The column that is the time by its name."""
     return time_column(head.names, where)
 
 
-def _named(source: Source, head: Heading) -> tuple[str, ...]:
+def _named(source: Source, head: TableHeading) -> tuple[str, ...]:
     """The names, those that are blank above numbers by their place."""
     if all(head.names):
         return head.names
@@ -149,7 +149,7 @@ def _named(source: Source, head: Heading) -> tuple[str, ...]:
     )
 
 
-def _decimal(source: Source, head: Heading) -> str:
+def _decimal(source: Source, head: TableHeading) -> str:
     """What begins the decimals."""
     if head.delimiter == ",":
         return "."

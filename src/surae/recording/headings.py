@@ -33,7 +33,7 @@ _RATE = re.compile(
 
 
 @dataclass(frozen=True, slots=True)
-class Heading:
+class TableHeading:
     """The names of the columns: last row before the numbers, and what stood before it."""
 
     row: int
@@ -45,14 +45,14 @@ class Heading:
     rate_hz: float = 0.0  #: What a line above the names says; 0 where none does.
 
 
-def heading_of(source: Source) -> Heading:
+def heading_of(source: Source) -> TableHeading:
     """The heading of a text.
 
     It is the first line that is no comment, behind a preface the one with the time, or the one
     above the numbers. Text without any is refused.
     """
     notes: dict[str, str] = {}
-    first: Heading | None = None
+    first: TableHeading | None = None
     for number, raw in enumerate(source.lines(), start=1):
         line = raw.strip(" \n")
         if line.lstrip().startswith("#"):
@@ -68,7 +68,7 @@ def heading_of(source: Source) -> Heading:
             if first is not None:
                 continue
             raise InputError(f"{source.shown}: row {number}: {error}") from None
-        header = Heading(number, names, delimiter, notes)
+        header = TableHeading(number, names, delimiter, notes)
         preface = any(numeric(name) or is_clock(name) for name in names)  # Time, 09:51:39
         if len(names) > 1 and any(map(is_time, names)) and not preface:
             return _whole(source, header)
@@ -123,7 +123,7 @@ def _is_numbers(cells: Sequence[str], delimiter: str | None) -> bool:
     return any(numbers) and all(not c or is_clock(c) for c in others)
 
 
-def _above_numbers(source: Source, notes: Mapping[str, str]) -> Heading | None:
+def _above_numbers(source: Source, notes: Mapping[str, str]) -> TableHeading | None:
     """The heading right above the first rows of numbers, which a comment may hold; or None."""
     lines = [line.rstrip("\n") for line in itertools.islice(source.lines(), _LONGEST_PREFACE * 4)]
     for delimiter in (*DELIMITERS, None):
@@ -140,7 +140,7 @@ def _above_numbers(source: Source, notes: Mapping[str, str]) -> Heading | None:
 
 def _names_above(
     lines: Sequence[str], at: int, count: int, delimiter: str | None, notes: Mapping[str, str]
-) -> Heading | None:
+) -> TableHeading | None:
     """The row of names above the numbers in line `at`, counted from 0."""
     for row in range(at - 1, max(at - 1 - _MOST_ROWS, -1), -1):
         line = lines[row].strip()
@@ -156,12 +156,12 @@ def _names_above(
                     if above is not None:
                         own = {n: c for n, c in zip(above.names, cells, strict=True) if c}
                         return replace(above, row=at, units=own)
-                return Heading(at, tuple(cells), delimiter, notes)
+                return TableHeading(at, tuple(cells), delimiter, notes)
         return None
     return None
 
 
-def _whole(source: Source, header: Heading) -> Heading:
+def _whole(source: Source, header: TableHeading) -> TableHeading:
     """The heading with further rows of names and of units below it, and a rate above it."""
     header = _with_rate(source, header)
     if header.units:
@@ -206,7 +206,7 @@ def _joined(above: Sequence[str], below: Sequence[str]) -> tuple[str, ...]:
     )
 
 
-def _above_blank(source: Source, header: Heading) -> Heading:
+def _above_blank(source: Source, header: TableHeading) -> TableHeading:
     """Where a row names its first column alone, the rows above name the others."""
     if len(header.names) < 2 or any(header.names[1:]):
         return header
@@ -220,7 +220,7 @@ def _above_blank(source: Source, header: Heading) -> Heading:
     return replace(header, names=names, remark="several rows of names, read as one")
 
 
-def _with_rate(source: Source, header: Heading) -> Heading:
+def _with_rate(source: Source, header: TableHeading) -> TableHeading:
     """The heading with the sampling rate that a line above it states."""
     for line in itertools.islice(source.lines(), header.row - 1):
         match = _RATE.search(line)
