@@ -156,8 +156,8 @@ def test_a_lag_that_does_not_grow_is_no_drift(leg, late):
 
 
 @pytest.mark.parametrize(("ppm", "drifts"), [(0.0, False), (3000.0, True), (-3000.0, True)])
-def test_a_measured_walk_has_no_drift_unless_it_is_put_in(ppm, drifts, shared_data):
-    recording = surae.read(shared_data / "gait" / "walk36.toml")
+def test_a_measured_walk_has_no_drift_unless_it_is_put_in(ppm, drifts, shared):
+    recording = surae.read(shared / "gait" / "walk36.toml")
     found = codes(with_fast_clock(recording, ppm))
     assert ("emg-clock" in found) == drifts
     if drifts:
