@@ -6,19 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 import surae
 from surae.base.frozen import read_only
-from surae.cli import main
 from surae.recording import csv_columns, write_csv
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "recording"))
 import layouts as made
-
-
-def run(*args):
-    return CliRunner().invoke(main, [str(arg) for arg in args])
 
 
 @pytest.fixture(scope="module")
@@ -31,32 +25,34 @@ def codes(recording):
     return {finding.code: finding for finding in surae.check(recording).findings}
 
 
-def test_what_maps_nothing_ends_with_2(tmp_path):
+def test_what_maps_nothing_ends_with_2(run, tmp_path):
     (tmp_path / "x.csv").write_text("time_s,depth\n" + "".join(f"{i},{i % 7}\n" for i in range(99)))
     ended = run("inspect", tmp_path / "x.csv", "--output", tmp_path / "m.toml")
-    assert ended.exit_code == 2
-    assert "none of its columns is known" in ended.output
+    assert ended.code == 2
+    assert "none of its columns is known" in ended.out + ended.err
     assert not (tmp_path / "m.toml").exists()
 
 
-def test_trials_in_a_file_are_inspected_checked_and_fitted_each(tmp_path):
+def test_trials_in_a_file_are_inspected_checked_and_fitted_each(run, tmp_path):
     (tmp_path / "t.csv").write_text(made.trials())
-    assert "3 trials in one file" in run("inspect", tmp_path / "t.csv").output
+    assert "3 trials in one file" in run("inspect", tmp_path / "t.csv").out
     ended = run("check", tmp_path / "t.csv")
-    assert ended.exit_code == 2
-    assert "never joined" in ended.output or "3 trials in one file" in ended.output
-    assert "sort the rows" not in ended.output
-    assert run("inspect", tmp_path / "t.csv", "--output", tmp_path / "m.toml").exit_code == 0
+    assert ended.code == 2
+    assert (
+        "never joined" in ended.out + ended.err or "3 trials in one file" in ended.out + ended.err
+    )
+    assert "sort the rows" not in ended.out + ended.err
+    assert run("inspect", tmp_path / "t.csv", "--output", tmp_path / "m.toml").code == 0
     checked = run("check", tmp_path / "m.toml")
-    assert checked.exit_code == 0
-    assert all(f"t-{k}" in checked.output for k in (1, 2, 3))
+    assert checked.code == 0
+    assert all(f"t-{k}" in checked.out for k in (1, 2, 3))
     session = surae.session([tmp_path / "m.toml"])
     assert [trial.name for trial in session.trials] == ["m-1", "m-2", "m-3"]
     given = surae.session([tmp_path / "t.csv"], mapping=tmp_path / "m.toml")
     assert [trial.name for trial in given.trials] == ["t-1", "t-2", "t-3"]
 
 
-def test_channels_apart_in_time_are_said_as_a_fit_says_it(tmp_path):
+def test_channels_apart_in_time_are_said_as_a_fit_says_it(run, tmp_path):
     (tmp_path / "robot.csv").write_text(made.timed(names=made.OURS[:2], data=made.DATA[:, :2]))
     later = made.TIME + 1.548e9
     (tmp_path / "emg.csv").write_text(
@@ -64,7 +60,7 @@ def test_channels_apart_in_time_are_said_as_a_fit_says_it(tmp_path):
     )
     both = (tmp_path / "robot.csv", tmp_path / "emg.csv")
     ended = run("inspect", *both, "--output", tmp_path / "m.toml")
-    assert "share no span of time" in ended.output
+    assert "share no span of time" in ended.out + ended.err
     found = codes(surae.read(tmp_path / "m.toml"))
     assert found["no-shared-span"].severity == "error"
     assert "trial-too-short" not in found
