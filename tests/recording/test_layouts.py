@@ -617,3 +617,19 @@ def test_hdf5_of_h5py_is_not_called_matlab_and_nwb_is_scaled(file, tmp_path):
     assert channel.rate_hz == pytest.approx(RATE)
     assert channel.high == pytest.approx(1e-3 * EMG[:, 0].max(), rel=1e-3)
     assert found.roles["emg_ta"].known_unit == "V"
+
+
+def test_a_unit_of_all_columns_in_a_line_above_is_read(file):
+    head = "BTS ASCII format\n\nTracks:\t4\nFrequency:\t500 Hz\nMeasure unit:\tV\n\n"
+    body = made.timed("Time", names=MUSCLES, data=EMG / 1e3, between="\t")
+    found = inspect(file(head + body, "x.emt"))
+    assert found.roles["emg_sol"].known_unit == "V"
+    assert found.roles["emg_sol"].rate_hz == pytest.approx(RATE, rel=1e-3)
+
+
+def test_a_long_preface_of_keys_and_numbers_is_no_heading(file):
+    lines = [f"Key {k}:\t{k}" for k in range(50)]
+    body = made.biodex().splitlines()[4:]
+    found = inspect(file("\n".join([*lines, *body]) + "\n", "b.txt"))
+    assert found.roles["torque"].known_unit == "Nm"
+    assert found.roles["torque"].rate_hz == pytest.approx(RATE / 5, rel=1e-3)
