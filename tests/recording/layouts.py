@@ -51,28 +51,28 @@ def trials(column="trial", labels=("1", "2", "3"), *, again=True) -> str:
     return out.getvalue()
 
 
-def discover(rate=RATE, slow=10) -> str:
+def discover(rate=RATE, slow=10, n: int = N) -> str:
     """What Trigno Discover exports, a slower accelerometer beside each EMG."""
     lines = [
         "Application:,Trigno Discover (1.7.0)",
         "Date/Time:,5/4/2023 10:11:12 AM",
-        "Collection Length (seconds):,2.0",
+        f"Collection Length (seconds):,{n / rate:g}",
         "".join(f"{m} (7592{k}),,,," for k, m in enumerate(MUSCLES)).rstrip(","),
         ",,,,".join(["sensor mode: 65"] * 4),
         ",".join(["EMG 1 Time Series (s),EMG 1 (mV),ACC X Time Series (s),ACC X (G)"] * 4),
         ",".join([f",{rate} Hz,,{rate / slow} Hz"] * 4),
         ",".join([f",{1 / rate} s,,{slow / rate} s"] * 4),
     ]
-    for i in range(N):
+    for i in range(n):
         cells = []
         for k in range(4):
-            acc = f"{TIME[i * slow]:.6f},{0.98 + 0.001 * (i % 3)}" if i * slow < N else ","
+            acc = f"{TIME[i * slow]:.6f},{0.98 + 0.001 * (i % 3)}" if i * slow < n else ","
             cells.append(f"{TIME[i]:.6f},{EMG[i, k]:.6f},{acc}")
         lines.append(",".join(cells))
     return "\n".join(lines) + "\n"
 
 
-def labchart() -> str:
+def labchart(n: int = N) -> str:
     """LabChart's text with channel titles."""
     head = [
         f"Interval=\t{1 / RATE} s",
@@ -83,59 +83,59 @@ def labchart() -> str:
         "Range=\t10 V\t10 V\t5 mV\t5 mV\t5 mV\t5 mV",
         "UnitName=\tdeg\tNm\tmV\tmV\tmV\tmV",
     ]
-    rows = ["\t".join(f"{x:.7g}" for x in row) for row in np.column_stack([TIME, DATA])]
+    rows = ["\t".join(f"{x:.7g}" for x in row) for row in np.column_stack([TIME, DATA])[:n]]
     return "\n".join([*head, *rows]) + "\n"
 
 
-def acqknowledge() -> str:
+def acqknowledge(n: int = N) -> str:
     """AcqKnowledge's text with headers."""
     names = ("Angle", "Torque", *MUSCLES)
     units = ("deg", "Nm", "mV", "mV", "mV", "mV")
     about = [line for pair in zip(names, units, strict=True) for line in pair]
     head = ["trial.acq", f"{1e3 / RATE} msec/sample", "6 channels", *about]
     heads = ["sec", *(f"CH{k}" for k in range(1, 7))]
-    counts = ["", *[f"{N} samples"] * 6]
-    rows = ["\t".join(f"{x:.7g}" for x in row) for row in np.column_stack([TIME, DATA])]
+    counts = ["", *[f"{n} samples"] * 6]
+    rows = ["\t".join(f"{x:.7g}" for x in row) for row in np.column_stack([TIME, DATA])[:n]]
     return "\n".join([*head, "\t".join(heads), "\t".join(counts), *rows]) + "\n"
 
 
-def qualisys() -> str:
+def qualisys(n: int = N) -> str:
     """Qualisys' TSV of analog channels."""
     head = [
-        f"NO_OF_SAMPLES\t{N}",
+        f"NO_OF_SAMPLES\t{n}",
         "TOTAL_NO_OF_CHANS\t6",
         f"FREQUENCY\t{RATE:g}",
         "DESCRIPTION\t--",
         "CHANNEL_NAMES\tAngle\tTorque\tTA\tGL\tSOL\tGM",
     ]
-    rows = ["\t".join(f"{x:.7g}" for x in row) for row in DATA]
+    rows = ["\t".join(f"{x:.7g}" for x in row) for row in DATA[:n]]
     return "\n".join([*head, *rows]) + "\n"
 
 
-def anc() -> str:
+def anc(n: int = N) -> str:
     """Motion Analysis' analog text."""
     head = [
         "File_Type:\tAnalog R/C ASCII\tGeneration#:\t1",
         "Board_Type:\tNational\tPolarity:\tBipolar",
-        f"Trial_Name:\twalk\tTrial#:\t1\tDuration(Sec.):\t{N / RATE}\t#Channels:\t6",
+        f"Trial_Name:\twalk\tTrial#:\t1\tDuration(Sec.):\t{n / RATE}\t#Channels:\t6",
         "BitDepth:\t16\tPreciseRate:\t500.0",
         "",
         "Name\tAngle\tTorque\tTA\tGL\tSOL\tGM",
         "Rate\t" + "\t".join(["500"] * 6),
         "Range\t" + "\t".join(["5000"] * 6),
     ]
-    rows = ["\t".join(f"{x:.7g}" for x in row) for row in np.column_stack([TIME, DATA])]
+    rows = ["\t".join(f"{x:.7g}" for x in row) for row in np.column_stack([TIME, DATA])[:n]]
     return "\n".join([*head, *rows]) + "\n"
 
 
-def opensignals() -> str:
+def opensignals(n: int = N) -> str:
     """OpenSignals' text: JSON, then a count and the channels."""
     about = (
         '{"00:07": {"sensor": ["EMG", "EMG", "EMG", "EMG"], "label": ["A1", "A2", "A3", "A4"], '
         '"column": ["nSeq", "A1", "A2", "A3", "A4"], "sampling rate": 500, "resolution": [16]}}'
     )
     head = ["# OpenSignals Text File Format. Version 1", f"# {about}", "# EndOfHeader"]
-    rows = ["\t".join([str(i % 16), *(f"{x:.6g}" for x in EMG[i])]) + "\t" for i in range(N)]
+    rows = ["\t".join([str(i % 16), *(f"{x:.6g}" for x in EMG[i])]) + "\t" for i in range(n)]
     return "\n".join([*head, *rows]) + "\n"
 
 

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import h5py
+import layouts
 import numpy as np
 import program_files as files
 
@@ -280,9 +281,30 @@ def xdf_file(*, lost: int = 0, offset: float = 0.0, irregular: bool = False) -> 
     return b"".join(parts)
 
 
+def first_lines(text: str, n: int = 60) -> bytes:
+    """The beginning of a text."""
+    return "".join(text.splitlines(keepends=True)[:n]).encode()
+
+
 #: What every reader is fuzzed with, by the reader's name.
 SEEDS: dict[str, tuple[Callable[[], bytes], ...]] = {
     "delimited": (csv_file, tsv_file),
+    "layouts": (
+        lambda: first_lines(layouts.biodex()),
+        lambda: first_lines(layouts.openbci()),
+        lambda: first_lines(layouts.rostopic()),
+        lambda: first_lines(layouts.trials()),
+    ),
+    "discover": (lambda: layouts.discover(slow=2, n=60).encode(),),
+    "text-exports": (
+        lambda: layouts.acqknowledge(60).encode(),
+        lambda: layouts.qualisys(60).encode(),
+        lambda: layouts.anc(60).encode(),
+    ),
+    "text-uncounted": (
+        lambda: layouts.labchart(60).encode(),
+        lambda: layouts.opensignals(60).encode(),
+    ),
     "opensim": (sto_file,),
     "trigno": (trigno_file,),
     "hdf5": (hdf5_file,),
@@ -308,7 +330,10 @@ SEEDS: dict[str, tuple[Callable[[], bytes], ...]] = {
     ),
     "xdf": (xdf_file, lambda: xdf_file(offset=3.0, irregular=True)),
 }
-TEXT = ("delimited", "opensim", "trigno", "vicon", "lvm")
+TEXT = (
+    *("delimited", "opensim", "trigno", "vicon", "lvm"),
+    *("layouts", "discover", "text-exports", "text-uncounted"),
+)
 
 WORDS = (
     *(b"", b",", b";", b"\t", b"\n", b"\r", b'"', b"#", b"=", b"[", b"]", b"{", b".", b"-", b"_"),

@@ -556,3 +556,80 @@ def test_within_a_description_trials_are_named(file):
     toml = file(mapping_text(inspect(path), path.parent), "map.toml")
     within = Description.of(open_source(toml)).within()
     assert list(within) == ["1", "2", "3"]
+
+
+def test_one_mapping_of_a_folder_is_offered_for_files_with_its_columns(file, tmp_path):
+    first = file(made.timed("Czas [s]"), "a.csv")
+    file(mapping_text(inspect(first), tmp_path), "a.toml")
+    others = [file(made.timed("Czas [s]", data=DATA + k), f"{k}.csv") for k in (1, 2)]
+    file(made.timed("time_s", names=OURS), "other.csv")
+    found = inspect_trials([first, *others])
+    (line,) = (line for line in found.typical.advice if "one mapping does" in line)
+    assert "'1.csv', '2.csv' have the same columns" in line
+    assert "other.csv" not in line
+    holds(read(first, mapping=tmp_path / "a.toml"))
+    np.testing.assert_allclose(
+        np.degrees(read(others[1], mapping=tmp_path / "a.toml").channels["angle"].values),
+        ANGLE + 2,
+        atol=1e-3,
+    )
+
+
+@pytest.mark.parametrize("style", ["importdata", "simulink"])
+def test_structures_of_matlab_are_read_with_names_and_times(file, style):
+    import scipy.io
+
+    if style == "importdata":
+        heads = np.array(["Time (s)", *THEIRS], dtype=object)
+        whole = np.column_stack([TIME, DATA])
+        structure = {"data": whole, "colheaders": heads, "textdata": heads}
+    else:
+        signals = np.array(
+            [(DATA[:, k : k + 1], THEIRS[k], 1.0) for k in range(len(THEIRS))],
+            dtype=[("values", object), ("label", object), ("dimensions", object)],
+        )
+        structure = {"time": TIME[:, None], "signals": signals, "blockName": "m/To Workspace"}
+    buffer = io.BytesIO()
+    scipy.io.savemat(buffer, {"A": structure})
+    path = file(buffer.getvalue(), "a.mat")
+    found = inspect(path)
+    assert found.roles["angle"].column == f"A.{THEIRS[0]}"
+    assert found.roles["angle"].rate_hz == pytest.approx(RATE, rel=1e-3)
+    holds(mapped(path))
+
+
+def test_hdf5_of_h5py_is_not_called_matlab_and_nwb_is_scaled(file, tmp_path):
+    import h5py
+
+    path = tmp_path / "x.nwb"
+    with h5py.File(path, "w") as store:
+        series = store.create_group("acquisition/emg_ta")
+        series["data"] = np.round(EMG[:, 0] * 1e4).astype("i2")
+        series["data"].attrs["conversion"] = 1e-7
+        series["data"].attrs["unit"] = "volts"
+        series["starting_time"] = 0.25
+        series["starting_time"].attrs["rate"] = RATE
+        series["starting_time"].attrs["unit"] = "seconds"
+    found = inspect(path)
+    assert set(found.formats.values()) == {"HDF5"}
+    (channel,) = found.channels
+    assert (channel.unit, channel.start_s) == ("volts", 0.25)
+    assert channel.rate_hz == pytest.approx(RATE)
+    assert channel.high == pytest.approx(1e-3 * EMG[:, 0].max(), rel=1e-3)
+    assert found.roles["emg_ta"].known_unit == "V"
+
+
+def test_a_unit_of_all_columns_in_a_line_above_is_read(file):
+    head = "BTS ASCII format\n\nTracks:\t4\nFrequency:\t500 Hz\nMeasure unit:\tV\n\n"
+    body = made.timed("Time", names=MUSCLES, data=EMG / 1e3, between="\t")
+    found = inspect(file(head + body, "x.emt"))
+    assert found.roles["emg_sol"].known_unit == "V"
+    assert found.roles["emg_sol"].rate_hz == pytest.approx(RATE, rel=1e-3)
+
+
+def test_a_long_preface_of_keys_and_numbers_is_no_heading(file):
+    lines = [f"Key {k}:\t{k}" for k in range(50)]
+    body = made.biodex().splitlines()[4:]
+    found = inspect(file("\n".join([*lines, *body]) + "\n", "b.txt"))
+    assert found.roles["torque"].known_unit == "Nm"
+    assert found.roles["torque"].rate_hz == pytest.approx(RATE / 5, rel=1e-3)

@@ -133,6 +133,7 @@ from surae.recording.described import toml_text as toml_text
 from surae.recording.formats import data_files as data_files
 from surae.recording.formats import open_table as open_table
 from surae.recording.inspected_advice import nothing_mapped as nothing_mapped
+from surae.recording.inspected_file import arranged as arranged
 from surae.recording.inspected_trials import InspectedTrials as InspectedTrials
 from surae.recording.inspected_trials import inspect_trials as inspect_trials
 from surae.recording.inspected_trials import trials_text as trials_text

@@ -113,7 +113,7 @@ def table_of(
 
     others = tuple(name for name in names if name and name != time)
     ours = {name: NAMES[plain(name)][1] for name in others if plain(name) in NAMES}
-    units = {name: head.units[name] for name in others if head.units.get(name)} | ours
+    units = {n: unit for n in others if (unit := head.units.get(n) or head.unit)} | ours
     by_rate = f"{head.rate_hz:g} Hz, as the lines above the names say" if head.rate_hz else ""
     said = "; ".join(filter(None, (remark, by_rate * (not time))))
     return Table(

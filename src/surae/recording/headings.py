@@ -32,6 +32,10 @@ _RATE = re.compile(
 )
 
 
+#: A unit of all columns in such a line, as BTS writes it.
+_UNIT = re.compile(r"measure unit:\s*(\S{1,12})", re.IGNORECASE)
+
+
 @dataclass(frozen=True, slots=True)
 class TableHeading:
     """The names of the columns: last row before the numbers, and what stood before it."""
@@ -43,6 +47,7 @@ class TableHeading:
     units: Mapping[str, str] = field(default_factory=dict)
     remark: str = ""  #: What a user should know of how the names were read.
     rate_hz: float = 0.0  #: What a line above the names says; 0 where none does.
+    unit: str = ""  #: The unit of all columns, as a line above the names says.
 
 
 def heading_of(source: Source) -> TableHeading:
@@ -80,9 +85,10 @@ def heading_of(source: Source) -> TableHeading:
         if above is None:
             raise InputError(f"{source.shown}: no header: every line is a comment")
         return above
-    below = next(itertools.islice(source.lines(), first.row, None), "")
-    plain = len(first.names) > 1 and not all(map(numeric, first.names))
-    if plain and len(_cells(below, first.delimiter)) == len(first.names):
+    below = itertools.islice(source.lines(), first.row, first.row + _MOST_ROWS)
+    rows = [_cells(line, first.delimiter) for line in below]
+    numbers = [len(r) == len(first.names) and _is_numbers(r, first.delimiter) for r in rows]
+    if len(first.names) > 1 and not all(map(numeric, first.names)) and any(numbers):
         return _whole(source, first)
     return _above_numbers(source, notes) or first
 
@@ -221,14 +227,16 @@ def _above_blank(source: Source, header: TableHeading) -> TableHeading:
 
 
 def _with_rate(source: Source, header: TableHeading) -> TableHeading:
-    """The heading with the sampling rate that a line above it states."""
+    """The heading with the sampling rate, and the unit of all, that lines above it state."""
     for line in itertools.islice(source.lines(), header.row - 1):
+        if unit := _UNIT.match(line.strip()):
+            header = replace(header, unit=unit[1])
         match = _RATE.search(line)
         if match and (match["word"] or match["unit"]):
             factor = 1e3 if match["unit"].lower() == "khz" else 1.0
             rate = float(match["rate"].replace(",", ".")) * factor
             if 0.0 < rate < 1e7:
-                return replace(header, rate_hz=rate)
+                header = replace(header, rate_hz=header.rate_hz or rate)
     return header
 
 

@@ -2,7 +2,7 @@
 
 import os
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -12,8 +12,9 @@ from surae.recording.described import toml_value
 from surae.recording.formats import trial_names
 from surae.recording.inspected_channels import Inspection
 from surae.recording.inspection import inspect
-from surae.recording.mapping import TRIAL
+from surae.recording.mapping import TRIAL, Description
 from surae.recording.mapping_text import mapping_text
+from surae.recording.source import open_source
 from surae.recording.table import some
 
 #: Rates [Hz] that are the same but for rounding, relatively.
@@ -79,9 +80,37 @@ def inspect_trials(
         raise InputError(f"{shown(path)}: {why}")
     found = _of_several(single, side)
     lines = tuple(f"set aside: {shown(path)}: {why}" for path, why in aside.items())
+    lines += tuple(_shared_mappings(single))
     if isinstance(found, Inspection):
         return replace(found, advice=(*found.advice, *lines))
     return replace(found, typical=replace(found.typical, advice=(*found.typical.advice, *lines)))
+
+
+def _shared_mappings(single: Mapping[Path, Inspection]) -> Iterator[str]:
+    """Mappings of one file that others have the columns of: each is offered for all."""
+    for folder in dict.fromkeys(path.parent for path in single):
+        for toml in sorted(folder.glob("*.toml")):
+            try:
+                description = Description.of(open_source(toml))
+            except InputError:
+                continue
+            wanted = {channel.column for channel in description.mapped().channels.values()}
+            if len(description.named) != 1 or description.patterns:
+                continue
+            own = Path(description.named[0]).name
+            alike = [
+                path
+                for path, found in single.items()
+                if path.parent == folder
+                and path.name != own
+                and wanted <= {channel.column for channel in found.channels}
+            ]
+            if alike:
+                yield (
+                    f"{shown(toml)} maps {own}, and {some([path.name for path in alike], 3)} "
+                    f"{'has' if len(alike) == 1 else 'have'} the same columns: one mapping does "
+                    f"for all of them, with --mapping {shown(toml)}"
+                )
 
 
 def _of_several(

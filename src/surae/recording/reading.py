@@ -255,7 +255,7 @@ def recording_of_table(
 
     `emg_alone` says that it needs no angle, as one of maximum contractions.
     """
-    if table.header is not None and table.time_name not in TIMES:
+    if table.header is not None and table.time_name.casefold() not in TIMES:
         if not any(plain(column) in NAMES for column in table.names):
             raise InputError(_no_angle(table))
         raise InputError(

@@ -36,6 +36,8 @@ _Z95 = 1.96
 #: What the fit must explain, and where a growing lag is looked for at all.
 _EXPLAINS = 0.8
 _HINT = 1.03
+#: Steps of the rate that a first look takes.
+_PROBE = 2.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,8 +79,11 @@ def clock_drift(recording: Recording, signals: Signals, fit: QuickFit) -> ClockD
         made = quick_fit(recording, _moved(signals, lag, rate), near=near)
         return made if made is not None and np.isfinite(made.r2) else replace(fit, r2=-1.0)
 
-    lag, before = _best_lag(left, 0.0, 0.0, fit)
     step = _STEP / half
+    probes = [left(_LAG_STEPS[0], way * _PROBE * step) for way in (1.0, -1.0)]
+    if fit.unexplained < _HINT * min(each.unexplained for each in probes):
+        return None  # as of most recordings, at the cost of two fits
+    lag, before = _best_lag(left, 0.0, 0.0, fit)
     sides = [(r, *_best_lag(left, r, lag, None)) for r in (step, -step)]
     rate, lag_there, after = max(sides, key=lambda each: each[2].r2)
     if before.unexplained < _HINT * after.unexplained:

@@ -118,7 +118,7 @@ def quick_fit(
     if power <= 0.0:
         return None
     with one_blas_thread(), np.errstate(over="ignore", invalid="ignore"):
-        if near is None:
+        if near is None or len(near.at) != len(problem.free):
             begin = scan_lengths(problem, rows, problem.start)
         else:
             begin, _ = solve_linear(problem, rows, np.array(near.at))

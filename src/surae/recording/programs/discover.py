@@ -7,6 +7,7 @@ signals have fewer rows: their cells end blank.
 import csv
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from surae.base.errors import InputError
 from surae.recording.programs.trigno import Signal, columns_of
@@ -49,12 +50,32 @@ def open_table(source: Source) -> Table:
     signals = _signals(rows[at], sensors, f"{source.shown}: row {at + 1}")
     by_name = {signal.name: signal for signal in reversed(signals)}
 
+    seconds = _length(rows[:at])
+
     def load(wanted: Sequence[str]) -> Mapping[str, Column]:
-        return columns_of(source, header, [by_name[name] for name in wanted])
+        loaded = columns_of(source, header, [by_name[name] for name in wanted])
+        return {name: _whole(column, seconds) for name, column in loaded.items()}
 
     names = tuple(signal.name for signal in signals)
     units = {signal.name: signal.unit for signal in signals if signal.unit}
     return Table(source.shown, "Trigno Discover", names, "time", load, units)
+
+
+def _length(rows: Sequence[Sequence[str]]) -> float:
+    """How long the recording is, as the lines above say [s]; 0 where they do not."""
+    for row in rows:
+        if len(row) > 1 and row[0].startswith("Collection Length") and _is_number(row[1]):
+            return float(row[1])
+    return 0.0
+
+
+def _whole(column: Column, seconds: float) -> Column:
+    """A column that says where it ends before the recording did."""
+    time = column.time
+    if len(time) < 2 or not time[-1] + 3.0 * (time[-1] - time[-2]) < seconds:
+        return column
+    said = f"the header states {seconds:g} s, the file holds {time[-1]:.4g} s: it was cut short"
+    return replace(column, remark=said)
 
 
 def _signals(names: Sequence[str], sensors: Sequence[str], where: str) -> list[Signal]:

@@ -82,7 +82,8 @@ def recognises(source: Source) -> bool:
 
 def open_table(source: Source) -> Table:
     """The signals; a file without vectors that have times or a rate is refused."""
-    return foreign_table(source, "MATLAB", __name__)
+    plain = not source.data.startswith((_MATLAB5, b"MATLAB"))
+    return foreign_table(source, "HDF5" if plain else "MATLAB", __name__)
 
 
 def parse(data: bytes, shown: str) -> dict[str, Any]:

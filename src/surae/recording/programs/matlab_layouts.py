@@ -15,9 +15,13 @@ from surae.base.errors import InputError
 from surae.base.units import FACTORS, FloatArray, spelled
 from surae.recording.programs.foreign import Parsed
 from surae.recording.roles import heading_unit
+from surae.recording.times import time_column
 
 #: Ends of the names of variables that name or measure the channels of a matrix, in small letters.
-_NAMES = ("names", "labels", "titles", "channels", "description", "muscles", "header", "columns")
+_NAMES = (
+    *("names", "labels", "titles", "channels", "description", "muscles", "header", "headers"),
+    "columns",
+)
 _UNITS = ("units", "unit", "unittext")
 _MOST = 512
 
@@ -183,7 +187,66 @@ def _nldat(own: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
     yield from _rows(rows, names, units, (start, rate), prefix)
 
 
+def _simulink(own: Variables, prefix: str, _: str) -> Iterator[Parsed]:
+    """Simulink's structure with time: ``signals``, each with ``values`` and a ``label``."""
+    signals = own["signals"] if isinstance(own["signals"], list) else [own["signals"]]
+    time = matrix(own["time"])
+    if time is None or time.ndim != 1:
+        return
+    for index, signal in enumerate(signals, start=1):
+        if not isinstance(signal, Mapping) or (data := matrix(signal.get("values"))) is None:
+            continue
+        label = next(iter(texts(signal.get("label"))), "") or f"signal {index}"
+        rows = by_channel(data, len(time))
+        for k, values in enumerate([] if rows is None else rows, start=1):
+            name = label if rows is not None and len(rows) == 1 else f"{label}(:,{k})"
+            if len(values) == len(time):
+                yield Parsed(prefix + name, values, time, time_name=f"{prefix}time")
+
+
+def _importdata(own: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
+    """MATLAB's importdata: a matrix under the heads of its columns, of which one may be time."""
+    data = matrix(own["data"])
+    names = texts(own["colheaders"])
+    if data is None or data.ndim != 2 or data.shape[1] != len(names):
+        return
+    clock = time_column(names, shown)
+    time: Any = (0.0, 0.0)
+    if clock is not None:
+        time = data[:, names.index(clock.column)] * clock.in_seconds
+    for k, name in enumerate(names):
+        if clock is None or name != clock.column:
+            unit = heading_unit(name) or ""
+            yield Parsed(prefix + (name or f"column {k + 1}"), data[:, k], time, unit)
+
+
+def _nwb(own: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
+    """A time series of NWB: ``data`` times its conversion, from ``starting_time`` or by stamps."""
+    data = matrix(own["data"])
+    if data is None:
+        return
+    clock: Any = _clock(number(own.get("rate")), shown)
+    if clock[1]:
+        clock = (number(own.get("starting_time")), clock[1])
+    stamps = None if own.get("timestamps") is None else matrix(own["timestamps"])
+    if stamps is not None and stamps.ndim == 1:
+        clock = stamps
+    samples = len(stamps) if stamps is not None else max(data.shape)
+    if (rows := by_channel(data, samples)) is None:
+        return
+    unit = next(iter(texts(own.get("data_unit"))), "")
+    scale = number(own["data_conversion"], 1.0)
+    offset = number(own.get("data_offset"))
+    title = prefix.rstrip(".")
+    for k, values in enumerate(rows, start=1):
+        name = title if len(rows) == 1 else f"{title}(:,{k})"
+        yield Parsed(name, values * scale + offset, clock, unit)
+
+
 _LAYOUTS = (
+    ({"data", "data_conversion"}, _nwb),
+    ({"data", "colheaders"}, _importdata),
+    ({"time", "signals"}, _simulink),
     ({"data", "datastart", "dataend", "samplerate"}, _labchart),
     ({"data", "isi", "isi_units"}, _acqknowledge),
     ({"data", "description", "samplingfrequency"}, _otbiolab),

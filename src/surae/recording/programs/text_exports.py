@@ -53,7 +53,7 @@ def open_table(source: Source) -> Table:
     program, read = found
     try:
         said = read(lines)
-    except (ValueError, IndexError, KeyError, TypeError, AttributeError):
+    except (ValueError, IndexError, KeyError, TypeError, AttributeError, StopIteration):
         raise InputError(
             f"{source.shown}: {program}'s lines above the numbers are not as it writes them: "
             "export it again, or as MATLAB"

@@ -19,6 +19,7 @@ import numpy as np
 
 from surae import api
 from surae.base.errors import InputError
+from surae.base.records import to_plain
 from surae.base.units import FloatArray
 from surae.base.words import Message
 
@@ -33,7 +34,7 @@ CLOCK = ("time", "start_s", "rate_hz")
 #: What the form is told of a column.
 COLUMN = ("low", "high", "usable", "bridge_s", "scale")
 #: What else a mapping says of a channel, as the form does.
-KEPT = ("column", "unit", "sign", "scale", "offset", "bridge_s")
+KEPT = ("column", "unit", "sign", "scale", "offset", "bridge_s", "clock_ppm")
 #: Signals that must be settled: measured, or left out aloud.
 NEEDED = api.ROLES[:6]
 #: Points of a preview.
@@ -92,11 +93,12 @@ def inspected(files: Sequence[Upload]) -> dict[str, Any]:
 
 def _of_data(names: Sequence[str], ids: Mapping[str, str]) -> dict[str, Any]:
     """Columns of data files with the guesses of `surae.recording.inspection`."""
+    names, aside = _readable(names)
     inspection = api.inspect(list(names))
     previews: dict[tuple[str, str], Any] = {}
     for name in names:
-        table = api.open_table(api.open_source(name))
-        for column, loaded in api.load_each(table, list(dict.fromkeys(table.names))).items():
+        table = api.open_table(api.open_source(name), timed=False)
+        for column, loaded in api.arranged(table).columns.items():
             if not isinstance(loaded, InputError):
                 previews[name, column] = preview(loaded.time, loaded.values)
     taken = {id(channel): role for role, channel in inspection.roles.items()}
@@ -137,13 +139,56 @@ def _of_data(names: Sequence[str], ids: Mapping[str, str]) -> dict[str, Any]:
             "fixed": {weights[role]: 0.0 for role in silent},
             "prepare": {},
             "open": [role for role in NEEDED if role in inspection.open],
+            **_times_and_trial(inspection),
         },
-        "notes": list(inspection.advice),
+        "notes": [
+            *inspection.advice,
+            *aside,
+            *(
+                f"this form reads the first of them, {trials.names[0]}; the others by a mapping, "
+                "with surae session or surae fit"
+                for trials in inspection.trials.values()
+            ),
+        ],
         "ready": {"angle", "torque"} <= channels.keys()
         and not inspection.open
         and (inspection.emg is not None or not any(role.startswith("emg_") for role in channels))
         and all(channel["unit"] is not None for channel in channels.values()),
     }
+
+
+def _readable(names: Sequence[str]) -> tuple[Sequence[str], list[str]]:
+    """The files that can be inspected, and why others cannot: one never blocks another."""
+    if len(names) == 1:
+        return names, []
+    good = []
+    wrong: dict[str, InputError] = {}
+    for name in names:
+        try:
+            api.inspect(name)
+        except InputError as error:
+            wrong[name] = error
+        else:
+            good.append(name)
+    if not good:
+        raise next(iter(wrong.values()))
+    reasons = (str(error).removeprefix(f"{name}: ") for name, error in wrong.items())
+    return good, [f"set aside: {name}: {why}" for name, why in zip(wrong, reasons, strict=True)]
+
+
+def _times_and_trial(inspection: api.Inspection) -> dict[str, Any]:
+    """The column of times, and the first of several trials, as the form's mapping says them.
+
+    The form reads one recording: what it is told of the others stands in its notes.
+    """
+    made: dict[str, Any] = {}
+    for clock in inspection.clocks.values():
+        made["time"] = {"column": clock.column, "unit": clock.unit}
+    for trials in inspection.trials.values():
+        first = trials.choices[0]
+        named = {key: getattr(first, key) for key in ("column", "sheet", "group", "index")}
+        made["trial"] = {key: value for key, value in named.items() if value is not None}
+    return made
 
 
 def _of_mapping(name: str, ids: Mapping[str, str]) -> dict[str, Any]:
@@ -162,7 +207,7 @@ def _of_mapping(name: str, ids: Mapping[str, str]) -> dict[str, Any]:
             missing.append(str(own.file))
             continue
         kept = {key: getattr(own, key) for key in KEPT}
-        clock = {key: at for key in CLOCK if (at := getattr(own, key)) is not None}
+        clock = {key: to_plain(at) for key in CLOCK if (at := getattr(own, key)) is not None}
         channels[role] = {"upload": ids[file_name(own.file)], **kept, **clock}
     mapping = {
         "name": mapped.name or Path(name).stem,
@@ -171,6 +216,7 @@ def _of_mapping(name: str, ids: Mapping[str, str]) -> dict[str, Any]:
         "channels": channels,
         "fixed": dict(mapped.fixed),
         "prepare": dict(mapped.prepare),
+        **_told(mapped),
     }
     if missing:
         notes = [f"upload the files it names too: {', '.join(dict.fromkeys(missing))}"]
@@ -183,6 +229,22 @@ def _of_mapping(name: str, ids: Mapping[str, str]) -> dict[str, Any]:
         "notes": notes,
         "ready": bool(channels) and not missing,
     }
+
+
+def _told(mapped: Any) -> dict[str, Any]:
+    """What a mapping says of times and of the trial, as the form's mapping has it."""
+    made: dict[str, Any] = {}
+    if mapped.time is not None:
+        plain = isinstance(mapped.time, str)
+        made["time"] = {"column": mapped.time} if plain else to_plain(mapped.time)
+    if mapped.trial is not None:
+        if mapped.trial.several:
+            raise InputError(
+                "trial: this mapping reads several trials of a file, and the form one: choose it "
+                "with value or index, or the name of its group"
+            )
+        made["trial"] = to_plain(mapped.trial)
+    return made
 
 
 def _zeros(
@@ -283,14 +345,26 @@ def _toml(mapping: Mapping[str, Any], names: Mapping[str, str]) -> str:
         if channel["upload"] not in names:
             raise InputError(f"channels.{role}: its file is not among the uploads; upload it")
         left = "offset" if channel.get("zero") is not None else "zero"
-        described[role] = {"file": names[channel["upload"]]}
-        described[role] |= {
-            key: channel[key] for key in kept if key != left and channel.get(key) is not None
-        }
-    whole = {key: mapping.get(key) for key in ("name", "emg", "side", "fixed", "prepare", "open")}
+        own: dict[str, Any] = {"file": names[channel["upload"]]}
+        for key in kept:
+            if key != left and (at := channel.get(key)) is not None:
+                own[key] = _given(at) if isinstance(at, Mapping) else at
+        described[role] = own
+    keys = ("name", "emg", "side", "fixed", "prepare", "open")
+    whole = {key: mapping.get(key) for key in keys}
+    for key in ("time", "trial"):  # TOML has no word for what is not there
+        if own := {
+            name: each for name, each in (mapping.get(key) or {}).items() if each is not None
+        }:
+            whole[key] = own
     return api.toml_text(
         {**{key: value for key, value in whole.items() if value is not None}, "channels": described}
     )
+
+
+def _given(table: Mapping[str, Any]) -> dict[str, Any]:
+    """What a table says, without what it leaves open."""
+    return {key: each for key, each in table.items() if each is not None}
 
 
 def preview(time: FloatArray, values: FloatArray) -> dict[str, Any]:

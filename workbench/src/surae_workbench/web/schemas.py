@@ -237,6 +237,16 @@ class DraftPatch(Strict):
     merge: bool = False
 
 
+ColumnName = Annotated[str, StringConstraints(min_length=1, max_length=500, pattern=r"^[^\x00]+$")]
+
+
+class TimeTable(Strict):
+    """The column of times of all channels, and its unit."""
+
+    column: ColumnName
+    unit: Annotated[str, StringConstraints(max_length=20, pattern=r"^[^\x00-\x1f]*$")] | None = None
+
+
 class ChannelEntry(Strict):
     """The origin of a channel, and what is done to it."""
 
@@ -247,10 +257,21 @@ class ChannelEntry(Strict):
     scale: Number = 1.0
     offset: Number = 0.0
     #: `time`, `start_s`, `rate_hz`: the clock of a film in another file.
-    time: Annotated[str, StringConstraints(max_length=500, pattern=r"^[^\x00]+$")] | None = None
+    time: ColumnName | TimeTable | None = None
     start_s: Number | None = None
     rate_hz: Annotated[float, Field(gt=0, lt=1e6)] | None = None
+    clock_ppm: Annotated[float, Field(ge=-1e5, le=1e5)] = 0.0  #: How fast its clock is.
     bridge_s: Annotated[float, Field(ge=0, le=1)] = 0.0  #: Longest gap that a line fills.
+
+
+class TrialTable(Strict):
+    """Which of several trials in a file is read."""
+
+    column: ColumnName | None = None
+    sheet: ColumnName | None = None
+    group: ColumnName | None = None
+    value: ColumnName | Number | None = None
+    index: Annotated[int, Field(ge=1, le=10_000)] | None = None
 
 
 class MappingTable(Strict):
@@ -263,6 +284,8 @@ class MappingTable(Strict):
     fixed: Numbers = {}
     prepare: Annotated[dict[Name, bool | Number | Line], Field(max_length=20)] = {}
     open: Annotated[list[Role], Field(max_length=len(api.ROLES))] = []  #: Not settled.
+    time: TimeTable | None = None
+    trial: TrialTable | None = None
 
 
 class ImportRequest(Strict):

@@ -1,0 +1,47 @@
+"""A file that was cut short is refused, or says so: one rule for all readers."""
+
+import pytest
+from reader_seeds import SEEDS
+
+from surae.base.errors import InputError
+from surae.recording.formats import open_table
+from surae.recording.source import open_source
+from surae.recording.table import load_each
+
+#: Texts that announce no number of samples: what is lost shows where their last row is not whole.
+#: FILELB's cases follow each other, and none says how many there are.
+UNANNOUNCED = {"delimited", "layouts", "text-uncounted", "vicon", "filelb"}
+
+
+def looked_at(path):
+    """Samples of every column, and all that is said; None where it is refused."""
+    try:
+        table = open_table(open_source(path), timed=False)
+        columns = load_each(table, table.names)
+    except InputError:
+        return None
+    if any(isinstance(column, InputError) for column in columns.values()):
+        return None
+    said = [*table.remarks.values(), *(column.remark for column in columns.values())]
+    return {name: len(column.values) for name, column in columns.items()}, "; ".join(said)
+
+
+@pytest.mark.parametrize("part", [0.55, 0.8, 0.97])
+@pytest.mark.parametrize("reader", SEEDS)
+def test_every_readers_file_that_is_cut_is_refused_or_says_so(tmp_path, reader, part):
+    path = tmp_path / "file"
+    for make in SEEDS[reader]:
+        whole = make()
+        path.write_bytes(whole)
+        before = looked_at(path)
+        assert before is not None
+        assert "cut short" not in before[1]
+        path.write_bytes(whole[: round(part * len(whole))])
+        if (after := looked_at(path)) is None:
+            continue
+        lost = sum(after[0].values()) < sum(before[0].values())
+        *_, above, last = whole[: round(part * len(whole))].split(b"\n")
+        cells, full = ([row.count(b) for b in (b",", b"\t", b";")] for row in (last, above))
+        whole_row = cells == full or not last.strip()
+        if lost and not (reader in UNANNOUNCED and (whole_row or reader == "filelb")):
+            assert "cut short" in after[1], (reader, part, after)
