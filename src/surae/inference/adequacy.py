@@ -324,7 +324,7 @@ def _promised(
     _, rows = problem.spec.simulator(recording, problem.options).torque_jacobian(values, columns)
     rows = rows[:, recording.counts]
     rows = rows - rows.mean(axis=1, keepdims=True)
-    V = known.covariance(*problem.free)
+    V = known.at_assumed.covariance(*problem.free)  # no arm or path matters to a torque
     unsure = float(np.einsum("in,ij,jn->n", rows, V, rows, optimize=True).mean())
     return float(np.sqrt((grown * np.std(own)) ** 2 + max(unsure, 0.0)))
 

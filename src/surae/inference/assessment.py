@@ -21,6 +21,7 @@ from surae.inference.parameter import (
     Interval,
     ParameterEstimate,
     Verdict,
+    by_geometry,
     judge_interval,
     judge_singular,
     percent,
@@ -35,6 +36,7 @@ from surae.inference.uncertainty.combined import (
 from surae.inference.uncertainty.covariance import Covariance, covariance, ipde
 from surae.inference.uncertainty.robust import RobustCovariance, robust_covariance
 from surae.model import adapted
+from surae.model.symmetry import GROUPS, bound_to_geometry, has_symmetry
 from surae.quality.finding import Quality
 
 
@@ -228,6 +230,12 @@ def _parameters(
     bounds = dict(zip(problem.free, ends, strict=True))
     variances = dict(zip(estimated.names, np.diag(estimated.matrix).tolist(), strict=True))
     parameters = {}
+    tied = {
+        name
+        for group in GROUPS
+        if not has_symmetry(problem.spec, group)
+        for name in bound_to_geometry(problem.spec, group)
+    }
     for name, p in table.items():
         value = result.values[name]
         lower, upper = bounds.get(name, (p.lower, p.upper))
@@ -248,15 +256,20 @@ def _parameters(
             if robust is not None:
                 j = robust.names.index(name)
                 sem_robust = float(np.sqrt(robust.matrix[j, j]))
-            whole, half = (known.half_width(known.along(name), biased=b) for b in (True, False))
-            again = _possible(value, half, lower)
-            budget = {"noise": 1.0}
-            repeatable = half <= IDENTIFIED * abs(value) and not withheld
+            along = known.along(name)
+            whole, half = (known.half_width(along, biased=b) for b in (True, False))
+            repeat = known.repeat_half_width(along)
+            again = _possible(value, repeat, lower)
+            budget = dict(known.budget(along).shares)
+            repeatable = repeat <= IDENTIFIED * abs(value) and not withheld
             if whole > half:
-                noise = (half / whole) ** 2  # of a variance that a bias shares, whatever their size
-                budget = {"noise": noise, "model": 1.0 - noise}
+                part = (half / whole) ** 2  # of a variance that a bias shares, whatever their size
+                budget = {s: part * share for s, share in budget.items()} | {"model": 1.0 - part}
                 half = whole
             ci95 = _possible(value, half, lower)
+            if known.goes_with_geometry(name) and value > 0.0:
+                ci95 = known.interval(name, half)
+                half = max(ci95[1] - value, value - ci95[0])
             verdict, note = judge_interval(name, value, half, estimated, p.unit, withheld=withheld)
             if against is not None and repeatable and verdict is not Verdict.IDENTIFIED:
                 note = Message(
@@ -265,6 +278,12 @@ def _parameters(
                     percent=percent(half / abs(value)),
                     missing=", ".join(against.missing),
                 )
+            elif verdict is not Verdict.IDENTIFIED and not withheld:
+                note = by_geometry(name, known, ci95) or note
+            if name in tied:
+                ci95 = None
+                verdict = Verdict.UNDETERMINED
+                note = Message("note/tied", problem.options.anatomy.worded)
         elif not np.isfinite(estimated.sigma2):
             verdict = Verdict.UNDETERMINED
             note = Message("note/not-finite")

@@ -25,6 +25,7 @@ from surae.inference.parameter import (
     Interval,
     ParameterEstimate,
     Verdict,
+    by_geometry,
     percent,
 )
 from surae.inference.result import PosteriorMode
@@ -65,9 +66,13 @@ def marginal(
             continue
         ci95 = known.interval(name, NORMAL * budget.sd)
         half = (ci95[1] - ci95[0]) / 2.0
-        again = known.interval(name, NORMAL * budget.repeat)
+        if known.goes_with_geometry(name):  # about the mean of what arms and paths may be
+            half = max(ci95[1] - p.value, p.value - ci95[0])
+        again = known.interval(name, NORMAL * budget.repeat, centred=False)
         repeatable = (again[1] - again[0]) / 2.0 <= IDENTIFIED * abs(p.value) and not withheld
         verdict, note = _judge(p, half, budget, problem, repeatable=repeatable, withheld=withheld)
+        if verdict is not Verdict.IDENTIFIED and not withheld:
+            note = by_geometry(name, known, ci95) or note
         prior = found.population.get(name)
         if verdict is Verdict.IDENTIFIED and prior:
             value = p.value

@@ -4,19 +4,26 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from surae.base.file_form import filed
 from surae.base.formatting import in_a_line
+from surae.base.normal import NORMAL
 from surae.base.words import Message
 from surae.inference.uncertainty.covariance import Covariance
 from surae.model.registry import PARAMETERS
+
+if TYPE_CHECKING:
+    from surae.inference.uncertainty.combined import Uncertainty
 
 #: Half-width of the 95 % interval, as a part of the value, up to which a parameter is identified.
 IDENTIFIED = 0.10
 #: Correlation from which the partner is named.
 _STRONG = 0.9
+#: Part of the variance by arms and paths, from which an interval is said to rest on them.
+_GEOMETRY = 0.25
 #: What is said of a parameter in place of a claim.
 INADEQUATE = Message("note/inadequate")
 
@@ -68,6 +75,22 @@ def judge_interval(
     elif not nothing:
         known = Message("note/little", known=known)
     return verdict, known
+
+
+def by_geometry(name: str, known: "Uncertainty", ci95: tuple[float, float]) -> Message | None:
+    """What an interval rests on where arms and paths make much of it; None where they do not."""
+    if known.geometry is None or not known.goes_with_geometry(name):
+        return None
+    value = float(known.values[known.names.index(name)])
+    parts = known.variances(known.along(name))
+    own = {source: parts.get(source, 0.0) for source in known.geometry.rows}
+    if not value > 0.0 or sum(own.values()) < _GEOMETRY * sum(parts.values()):
+        return None
+    alone = known.interval(name, NORMAL * math.sqrt(sum(own.values())))
+    code = "note/geometry" if own.get("arm_size", 0.0) < sum(own.values()) else "note/arm"
+    ends = (*ci95, *alone)
+    low, high, least, most = (f"{100.0 * (end / value - 1.0):+.0f}".replace("-", "−") for end in ends)
+    return Message(code, low=low, high=high, least=least, most=most)
 
 
 def judge_singular(name: str, directions: Sequence[Sequence[str]]) -> Message:

@@ -10,13 +10,14 @@ import numpy as np
 from surae.base.errors import ComputationError, InputError
 from surae.base.frozen import FrozenDict
 from surae.base.plugins import plugins
+from surae.base.normal import NORMAL
 from surae.base.setting import is_number
 from surae.base.units import FloatArray
 from surae.base.words import Message
 from surae.inference import AssessedFit, FitResult, Grade, Verdict
 from surae.inference.parameter import IDENTIFIED, percent
 from surae.inference.uncertainty.combined import Uncertainty
-from surae.measures.leg import Leg, NotDefinedError, leg_of, measured_range
+from surae.measures.leg import Leg, NotDefinedError, leg_of, measured_range, of_any_path
 from surae.measures.measure import Measure, Measures
 from surae.measures.table import DEFINITIONS, Definition
 from surae.model import ModelOptions, get_model, with_optional
@@ -146,11 +147,9 @@ def judged_measures(
     fit: AssessedFit, wanted: tuple[MeasurePoint, ...]
 ) -> tuple[tuple[Evaluated, Measure], ...]:
     """All these measures of a fit, each with its derivatives."""
-    drawn = _drawn(fit.result, fit.assessment.uncertainty, wanted)
-    return tuple(
-        (each, _measure(each, drawn.get(each.point.name), fit))
-        for each in evaluate(fit.result, fit.assessment.uncertainty, wanted)
-    )
+    evaluated = evaluate(fit.result, fit.assessment.uncertainty, wanted)
+    drawn = _drawn(fit.result, fit.assessment.uncertainty, evaluated)
+    return tuple((each, _measure(each, drawn.get(each.point.name), fit)) for each in evaluated)
 
 
 def evaluate(
@@ -161,10 +160,16 @@ def evaluate(
     values, missing = (list(of) for of in zip(*(point.value(leg) for point in wanted), strict=True))
     gradients = np.zeros((len(wanted), len(known.names)))
     reach = np.maximum(np.abs(known.values), 0.01 * (known.upper - known.lower))
+    reach = np.where(np.isfinite(reach), reach, 1.0)
     steps = np.where(np.isnan(known.origin), _STEP * reach, _STEP)
+    with_geometry = of_any_path(leg) if known.geometry else leg
     for j, name in enumerate(known.names):
         step = float(steps[j])
-        sides = [leg.with_values({name: known.moved(j, by)}) for by in (-step, step)]
+        moving = with_geometry if known.geometry and name in known.geometry.by else leg
+        follows = name not in result.problem.free  # as a length at 0 rad follows its path
+        if follows and not any(by[:, j].any() for by in known.rows.values()):
+            continue
+        sides = [moving.with_values(known.moved_leg(name, by)) for by in (-step, step)]
         for i, point in enumerate(wanted):
             group = group_of(name)
             of = point.definition
@@ -186,23 +191,44 @@ def evaluate(
 
 
 def _drawn(
-    result: FitResult, known: Uncertainty, wanted: Sequence[MeasurePoint]
+    result: FitResult, known: Uncertainty, evaluated: Sequence[Evaluated]
 ) -> dict[str, FloatArray]:
     """Every measure that is not made of recordings, of possible legs; NaN where it has none.
 
     Legs are as they were fitted, and read at the angle that their zero says: turned with it too,
-    what the zero makes unsure would cancel.
+    what the zero makes unsure would cancel. What chance makes of the linear part is taken out: it
+    is exactly normal, so that draws tell how a measure bends and nothing else.
     """
-    inner = [point for point in wanted if not point.definition.of_recordings]
+    inner = [each for each in evaluated if not each.point.definition.of_recordings]
     if known.lost == known.names:
         return {}
-    likeliest = leg_of(result)
-    legs = replace(known, turned=FrozenDict()).draw(_DRAWS, _SEED)
+    likeliest = of_any_path(leg_of(result)) if known.geometry else leg_of(result)
+    known = replace(known, turned=FrozenDict())
+    away = known.away(_DRAWS, _SEED)
+    legs = known.legs_at(away)
     rows = np.empty((len(legs), len(inner)))
     for i, drawn in enumerate(legs):
         leg = likeliest.with_values(dict(zip(known.names, drawn.tolist(), strict=True)))
-        rows[i] = [point.value(leg)[0] for point in inner]
-    return {point.name: rows[:, k] for k, point in enumerate(inner)}
+        rows[i] = [each.point.value(leg)[0] for each in inner]
+    return {
+        each.point.name: values + _by_chance(each, known, away)
+        for each, values in zip(inner, rows.T, strict=True)
+    }
+
+
+def _by_chance(evaluated: Evaluated, known: Uncertainty, away: FloatArray) -> FloatArray:
+    """What brings the linear part of draws to its own distribution, shape (draws,)."""
+    from scipy.special import ndtri
+
+    slopes = evaluated.gradient * known.scale
+    linear = away @ slopes
+    sd = math.sqrt(sum(known.variances(evaluated.gradient).values()))
+    count = len(linear)
+    scores = np.empty(count)
+    scores[np.argsort(linear, kind="stable")] = ndtri((np.arange(count) + 0.5) / count)
+    mean = float(known.mean_away @ slopes)
+    reach = sd + known.bias(evaluated.gradient) / NORMAL
+    return np.asarray(mean + reach * scores - linear)
 
 
 def _measure(evaluated: Evaluated, drawn: FloatArray | None, fit: AssessedFit) -> Measure:

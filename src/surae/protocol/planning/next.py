@@ -83,7 +83,7 @@ def known_from(fit: AssessedFit, legs: Legs) -> FloatArray:
     own = legs.each_trial
     alone = own | {n for n in free if n not in fit.result.problem.free}  # another film
     known = np.diag([legs.priors[n].sd ** -2.0 if n in alone else 0.0 for n in free])
-    told = fit.assessment.uncertainty
+    told = fit.assessment.uncertainty.at_assumed  # no trial tells arms and paths
     shares = {*free} - {*own, *told.lost}
     names = [n for n in told.names if n in shares and told.budget(told.along(n)).sd > 0.0]
     if names:
