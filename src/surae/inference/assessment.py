@@ -1,5 +1,6 @@
 """From a fit to what it is worth: goodness, intervals, correlations and verdicts."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -36,7 +37,7 @@ from surae.inference.uncertainty.combined import (
 from surae.inference.uncertainty.covariance import Covariance, covariance, ipde
 from surae.inference.uncertainty.robust import RobustCovariance, robust_covariance
 from surae.model import adapted
-from surae.model.symmetry import GROUPS, bound_to_geometry, has_symmetry
+from surae.model.symmetry import tied_to_geometry
 from surae.quality.finding import Quality
 
 
@@ -230,12 +231,7 @@ def _parameters(
     bounds = dict(zip(problem.free, ends, strict=True))
     variances = dict(zip(estimated.names, np.diag(estimated.matrix).tolist(), strict=True))
     parameters = {}
-    tied = {
-        name
-        for group in GROUPS
-        if not has_symmetry(problem.spec, group)
-        for name in bound_to_geometry(problem.spec, group)
-    }
+    tied = tied_to_geometry(problem.spec)
     for name, p in table.items():
         value = result.values[name]
         lower, upper = bounds.get(name, (p.lower, p.upper))
@@ -266,16 +262,15 @@ def _parameters(
                 part = (half / whole) ** 2  # of a variance that a bias shares, whatever their size
                 budget = {s: part * share for s, share in budget.items()} | {"model": 1.0 - part}
                 half = whole
-            ci95 = _possible(value, half, lower)
-            if known.goes_with_geometry(name) and value > 0.0:
-                ci95 = known.interval(name, half)
-                half = max(ci95[1] - value, value - ci95[0])
-            verdict, note = judge_interval(name, value, half, estimated, p.unit, withheld=withheld)
+            ci95, half, alone = _with_geometry(name, known, half, lower)
+            verdict, note = judge_interval(
+                name, value, half, estimated, p.unit, withheld=withheld, noise=alone
+            )
             if against is not None and repeatable and verdict is not Verdict.IDENTIFIED:
                 note = Message(
                     "note/contradicted",
                     problem.options.anatomy.worded,
-                    percent=percent(half / abs(value)),
+                    percent=percent(alone / abs(value)),
                     missing=", ".join(against.missing),
                 )
             elif verdict is not Verdict.IDENTIFIED and not withheld:
@@ -311,6 +306,21 @@ def _parameters(
             budget,
         )
     return parameters
+
+
+def _with_geometry(
+    name: str, known: Uncertainty, half: float, lower: float
+) -> tuple[tuple[float, float], float, float]:
+    """A named model's interval, its half-width from the value, and what of that is no geometry's.
+
+    What arms and paths make of it is about their mean, on a logarithm.
+    """
+    value = float(known.values[known.names.index(name)])
+    if not (known.goes_with_geometry(name) and value > 0.0):
+        return _possible(value, half, lower), half, half
+    alone = math.sqrt(max(half**2 - known.geometry_half_width(name) ** 2, 0.0))
+    low, high = known.about_geometry(name, _possible(value, alone, lower))
+    return (low, high), max(high - value, value - low, alone), alone
 
 
 def _possible(value: float, half: float, lower: float) -> tuple[float, float]:

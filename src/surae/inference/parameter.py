@@ -46,12 +46,15 @@ def judge_interval(
     unit: str = "-",
     *,
     withheld: bool = False,
+    noise: float | None = None,
 ) -> tuple[Verdict, Message]:
     """Verdict and sentence of a parameter that has an interval.
 
-    `half` is the half-width of its 95 % interval; its strongest partner is looked up in
-    `estimated`. `withheld` says that the fit is inadequate, so that nothing is claimed.
+    `half` is the half-width of its 95 % interval, and `noise` what of it is noise; its strongest
+    partner is looked up in `estimated`. `withheld` says that the fit is inadequate, so that nothing
+    is claimed.
     """
+    noise = half if noise is None else noise
     relative = half / abs(value) if value else np.inf
     if relative <= IDENTIFIED:
         if withheld:
@@ -59,9 +62,9 @@ def judge_interval(
         return Verdict.IDENTIFIED, Message("note/known", percent=percent(relative))
     verdict = Verdict.WEAK if relative <= 1.0 else Verdict.UNDETERMINED
     # A part of a value that may as well be 0 says nothing.
-    nothing = name in PARAMETERS and PARAMETERS[name].off_at_zero and half >= abs(value)
+    nothing = name in PARAMETERS and PARAMETERS[name].off_at_zero and noise >= abs(value)
     if nothing:
-        known = Message("note/zero", interval=_interval(value, half, unit))
+        known = Message("note/zero", interval=_interval(value, noise, unit))
     elif verdict is Verdict.WEAK:
         known = Message("note/known-only", percent=percent(relative))
     else:
@@ -89,7 +92,9 @@ def by_geometry(name: str, known: "Uncertainty", ci95: tuple[float, float]) -> M
     alone = known.interval(name, NORMAL * math.sqrt(sum(own.values())))
     code = "note/geometry" if own.get("arm_size", 0.0) < sum(own.values()) else "note/arm"
     ends = (*ci95, *alone)
-    low, high, least, most = (f"{100.0 * (end / value - 1.0):+.0f}".replace("-", "−") for end in ends)
+    low, high, least, most = (
+        f"{100.0 * (end / value - 1.0):+.0f}".replace("-", "−") for end in ends
+    )
     return Message(code, low=low, high=high, least=least, most=most)
 
 

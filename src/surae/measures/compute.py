@@ -9,8 +9,8 @@ import numpy as np
 
 from surae.base.errors import ComputationError, InputError
 from surae.base.frozen import FrozenDict
-from surae.base.plugins import plugins
 from surae.base.normal import NORMAL
+from surae.base.plugins import plugins
 from surae.base.setting import is_number
 from surae.base.units import FloatArray
 from surae.base.words import Message
@@ -237,7 +237,7 @@ def _measure(evaluated: Evaluated, drawn: FloatArray | None, fit: AssessedFit) -
     name = evaluated.point.name
     unit = definition.unit
     value = evaluated.value
-    if unit == "Nm/mV" and fit.result.problem.inputs[0].emg_unit == "1":
+    if unit in ("Nm/mV", "Nm/V") and fit.result.problem.inputs[0].emg_unit == "1":
         unit = "Nm"
     meaning = fit.result.problem.options.anatomy.worded(definition.meaning)
     why = evaluated.missing or ""
@@ -265,6 +265,8 @@ def _measure(evaluated: Evaluated, drawn: FloatArray | None, fit: AssessedFit) -
             high = max(float(ends[1]), value)
             ci95 = (low, high)
             method = "draws"
+    elif definition.is_angle:
+        pass
     elif half >= abs(value) and unit != "%":  # so far off no slope tells how the measure bends
         return replace(bare, note=Message("note/as-wide"))
     elif value >= 0.0:  # what the recordings make is positive by nature
@@ -315,7 +317,8 @@ def extrapolated(evaluated: Evaluated, result: FitResult) -> Message | None:
     """What of a measure was not measured; None where all was."""
     definition = evaluated.point.definition
     at = evaluated.point.at
-    if definition.at == "deg" or definition.is_angle or definition.span:
+    beside = definition.is_angle and not definition.of_recordings
+    if definition.at == "deg" or beside or definition.span:
         degrees = evaluated.value if definition.is_angle else at
         low, high = measured_range(result)
         if definition.span and definition.is_angle:  # how far before the range's end

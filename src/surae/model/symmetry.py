@@ -70,13 +70,14 @@ def has_symmetry(spec: ModelSpec, group: str) -> bool:
     return all(f"{name}_{group}" in spec.names for name in _NEEDED)
 
 
-def bound_to_geometry(spec: ModelSpec, group: str) -> tuple[str, ...]:
-    """Parameters of a group whose values rest on its arm or path."""
-    lengths = (f"{name}_{group}" for name in _LENGTHS)
-    others = ("b_tri", "F0") if group == "tri" else ()
-    return tuple(
-        name for name in (*weights_of(spec, group), *lengths, *others) if name in spec.names
-    )
+def tied_to_geometry(spec: ModelSpec) -> frozenset[str]:
+    """Parameters that a model without the symmetry ties to its assumed arm and path."""
+    tied: set[str] = set()
+    for group in GROUPS:
+        if not has_symmetry(spec, group):
+            tied |= {*weights_of(spec, group), *(f"{name}_{group}" for name in (*_LENGTHS, "b"))}
+            tied |= {"F0"}
+    return frozenset(tied.intersection(spec.names))
 
 
 def with_paths(spec: ModelSpec) -> ModelSpec:

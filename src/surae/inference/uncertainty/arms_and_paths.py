@@ -68,7 +68,7 @@ class ArmsAndPaths(Comparable):
             scales = {scale: f"{scale}_{group}" for scale in (ARM, PATH)}
             if not {*scales.values()} & self.by.keys():
                 continue
-            by = {scale: 0.0 for scale in scales}
+            by = dict.fromkeys(scales, 0.0)
             for scale, name in scales.items():
                 before = self.values.get(name, 0.0)
                 if name in self.by:
@@ -127,9 +127,7 @@ def arms_and_paths(result: FitResult) -> ArmsAndPaths | None:
     )
 
 
-def _known(
-    result: FitResult, group: str
-) -> list[tuple[str, dict[str, float], dict[str, float]]]:
+def _known(result: FitResult, group: str) -> list[tuple[str, dict[str, float], dict[str, float]]]:
     """What is known of a group's arm and path: sources, their standard deviations, and means."""
     problem = result.problem
     arm = f"{ARM}_{group}"
@@ -183,9 +181,7 @@ def _stated(problem: FitProblem) -> dict[str, Gaussian]:
     return stated
 
 
-def at_assumed(
-    rows: FloatArray, names: tuple[str, ...], known: ArmsAndPaths | None
-) -> FloatArray:
+def at_assumed(rows: FloatArray, names: tuple[str, ...], known: ArmsAndPaths | None) -> FloatArray:
     """Shifts of all parameters by sources that a fit sampled arms and paths with, without these.
 
     What goes along with a sampled arm or path is taken out, so that the rest is how unsure the leg

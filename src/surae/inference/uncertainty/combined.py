@@ -212,7 +212,24 @@ class Uncertainty(Comparable):
             size = value - origin
             by = [min(max(shift + way * half / size, -50.0), 50.0) for way in (-1.0, 1.0)]
             ends = (origin + size * math.exp(by[0]), origin + size * math.exp(by[1]))
-        return min(max(min(ends), low), high), min(max(max(ends), low), high)
+        return min(max(min(ends), low), high), min(max(*ends, low), high)
+
+    def geometry_half_width(self, name: str) -> float:
+        """Half of the 95 % interval that arms and paths alone make, in the parameter's unit."""
+        known = self.geometry.rows if self.geometry is not None else {}
+        parts = self.variances(self.along(name))
+        return NORMAL * math.sqrt(sum(parts.get(source, 0.0) for source in known))
+
+    def about_geometry(self, name: str, ends: tuple[float, float]) -> tuple[float, float]:
+        """An interval at the fit's arm and path, with what these may be, on a logarithm."""
+        assert self.geometry is not None
+        value = float(self.values[self.names.index(name)])
+        more = self.geometry_half_width(name) / value
+        shift = self.geometry.shift(name)
+        low, high = (math.log(end / value) if end > 0.0 else -math.inf for end in ends)
+        least = shift - math.hypot(low, more)
+        most = shift + math.hypot(high, more)
+        return value * math.exp(least), value * math.exp(most)
 
     def draw(self, count: int, seed: int) -> FloatArray:
         """Values of legs that the fit leaves possible, shape (count, p), each with its opposite."""
@@ -302,23 +319,7 @@ def combined(
         upper = np.append(upper, 1.0)
         rows = {source: np.pad(by, ((0, 0), (0, 1))) for source, by in rows.items()}
         rows["angle_zero"] = np.array([[0.0] * (len(names) - 1) + [zero]])
-    if known is not None and not rows:
-        known = None
-    if known is not None:
-        new = [name for name in _columns(known, names) if name not in names]
-        names = (*names, *new)
-        more = len(new)
-        values = np.append(values, [known.values.get(name, 0.0) for name in new])
-        for_new = ((origin, np.nan), (lower, -np.inf), (upper, np.inf), (moved, 0.0), (dof, np.inf))
-        origin, lower, upper, moved, dof = (np.append(of, [x] * more) for of, x in for_new)
-        wide = np.isin(names, tuple(known.by))
-        lower = np.where(wide, -np.inf, lower)
-        upper = np.where(wide, np.inf, upper)
-        rows = {source: np.pad(by, ((0, 0), (0, more))) for source, by in rows.items()}
-        for source, each in known.rows.items():
-            made = np.array([[row.get(name, 0.0) for name in names] for row in each])
-            rows[source] = np.concatenate([rows[source], made]) if source in rows else made
-    return Uncertainty(
+    made = Uncertainty(
         names,
         values,
         lower,
@@ -330,11 +331,35 @@ def combined(
         result.at_bound,
         lost,
         result.solution.turned,
-        known,
+    )
+    return made if known is None or not rows else _with_geometry(made, known)
+
+
+def _with_geometry(made: Uncertainty, known: ArmsAndPaths) -> Uncertainty:
+    """The same with arms and paths that may be others."""
+    new = [name for name in _columns(known) if name not in made.names]
+    names = (*made.names, *new)
+    more = len(new)
+    wide = np.isin(names, tuple(known.by))
+    rows = {source: np.pad(by, ((0, 0), (0, more))) for source, by in made.rows.items()}
+    for source, each in known.rows.items():
+        own = np.array([[row.get(name, 0.0) for name in names] for row in each])
+        rows[source] = np.concatenate([rows[source], own]) if source in rows else own
+    return replace(
+        made,
+        names=names,
+        values=np.append(made.values, [known.values.get(name, 0.0) for name in new]),
+        lower=np.where(wide, -np.inf, np.append(made.lower, [-np.inf] * more)),
+        upper=np.where(wide, np.inf, np.append(made.upper, [np.inf] * more)),
+        origin=np.append(made.origin, [np.nan] * more),
+        rows=FrozenDict({source: read_only(by) for source, by in rows.items()}),
+        shift=np.append(made.shift, [0.0] * more),
+        dof=np.append(made.dof, [np.inf] * more),
+        geometry=known,
     )
 
 
-def _columns(known: ArmsAndPaths, names: tuple[str, ...]) -> tuple[str, ...]:
+def _columns(known: ArmsAndPaths) -> tuple[str, ...]:
     """Logarithms of arms and paths, and the muscles' lengths at 0 rad, which paths move."""
     groups = [group for group in ("tri", "tib") if f"path_scale_{group}" in known.by]
     return (*known.by, *(f"length_zero_{group}" for group in groups))
