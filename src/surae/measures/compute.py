@@ -26,9 +26,9 @@ from surae.model.laboratory import OUTSIDE, group_of
 #: Default angles of measures, and those that are possible [deg].
 ANGLES = (-10.0, 0.0, 10.0)
 _MOST = 60.0
-#: Possible legs that are drawn, their seed, and how far their interval may differ from the linear
-#: one, as a part of its half-width, before it takes its place.
-_DRAWS = 256
+#: Possible legs that are drawn, their seed, and how far a measure at the ends of its interval may
+#: be from the linear ones, as a part of the half-width, before draws take its place.
+_DRAWS = 1024
 _SEED = 7
 _BENT = 0.25
 #: Part of the possible legs that may lack a measure that has an interval.
@@ -193,42 +193,94 @@ def evaluate(
 def _drawn(
     result: FitResult, known: Uncertainty, evaluated: Sequence[Evaluated]
 ) -> dict[str, FloatArray]:
-    """Every measure that is not made of recordings, of possible legs; NaN where it has none.
+    """Measures of possible legs, of those measures that bend; NaN where a leg has none.
 
     Legs are as they were fitted, and read at the angle that their zero says: turned with it too,
-    what the zero makes unsure would cancel. What chance makes of the linear part is taken out: it
-    is exactly normal, so that draws tell how a measure bends and nothing else.
+    what the zero makes unsure would cancel. Whether one bends is told along the line on which it
+    changes most, from end to end of its interval, and so by no chance. Draws tell what leaves the
+    line; along it they are brought to their own distribution, which is normal.
     """
-    inner = [each for each in evaluated if not each.point.definition.of_recordings]
     if known.lost == known.names:
         return {}
     likeliest = of_any_path(leg_of(result)) if known.geometry else leg_of(result)
     known = replace(known, turned=FrozenDict())
+    lines = {}
+    for each in evaluated:
+        if each.point.definition.of_recordings or each.value is None or each.missing:
+            continue
+        line = _Line.of(each, known, likeliest)
+        if line is not None and line.bends:
+            lines[each.point] = line
+    if not lines:
+        return {}
     away = known.away(_DRAWS, _SEED)
-    legs = known.legs_at(away)
-    rows = np.empty((len(legs), len(inner)))
-    for i, drawn in enumerate(legs):
+    rows = np.empty((len(away), len(lines)))
+    for i, drawn in enumerate(known.legs_at(away)):
         leg = likeliest.with_values(dict(zip(known.names, drawn.tolist(), strict=True)))
-        rows[i] = [each.point.value(leg)[0] for each in inner]
+        rows[i] = [point.value(leg)[0] for point in lines]
     return {
-        each.point.name: values + _by_chance(each, known, away)
-        for each, values in zip(inner, rows.T, strict=True)
+        point.name: values + line.by_chance(away - known.mean_away)
+        for (point, line), values in zip(lines.items(), rows.T, strict=True)
     }
 
 
-def _by_chance(evaluated: Evaluated, known: Uncertainty, away: FloatArray) -> FloatArray:
-    """What brings the linear part of draws to its own distribution, shape (draws,)."""
-    from scipy.special import ndtri
+@dataclass(frozen=True, slots=True, eq=False)
+class _Line:
+    """A measure on the line through the likeliest leg along which it changes most."""
 
-    slopes = evaluated.gradient * known.scale
-    linear = away @ slopes
-    sd = math.sqrt(sum(known.variances(evaluated.gradient).values()))
-    count = len(linear)
-    scores = np.empty(count)
-    scores[np.argsort(linear, kind="stable")] = ndtri((np.arange(count) + 0.5) / count)
-    mean = float(known.mean_away @ slopes)
-    reach = sd + known.bias(evaluated.gradient) / NORMAL
-    return np.asarray(mean + reach * scores - linear)
+    value: float  #: Of the likeliest leg.
+    slopes: FloatArray  #: Its gradient on the parameters' scale, shape (p,).
+    half: float  #: Half of its interval, were it straight.
+    at: FloatArray  #: Places on the line, in standard deviations from the middle, shape (k,).
+    values: FloatArray  #: The measure there, shape (k,).
+
+    @classmethod
+    def of(cls, evaluated: Evaluated, known: Uncertainty, leg: Leg) -> "_Line | None":
+        """The line; None where nothing makes the measure unsure."""
+        slopes = evaluated.gradient * known.scale
+        rows = np.concatenate(list(known.rows.values())) / known.scale
+        along = rows.T @ (rows @ slopes)
+        sd = math.sqrt(max(float(slopes @ along), 0.0))
+        if not sd > 0.0:
+            return None
+        bias = known.bias(evaluated.gradient) / NORMAL
+        direction = along / sd * (1.0 + bias / sd)
+        at = np.array([-NORMAL, -1.0, 0.0, 1.0, NORMAL])
+        legs = known.legs_at(known.mean_away + at[:, None] * direction)
+        values = [
+            evaluated.point.value(
+                leg.with_values(dict(zip(known.names, each.tolist(), strict=True)))
+            )[0]
+            for each in legs
+        ]
+        assert evaluated.value is not None
+        return cls(evaluated.value, slopes / sd, NORMAL * sd + bias * NORMAL, at, np.array(values))
+
+    @property
+    def bends(self) -> bool:
+        """Whether it ends elsewhere than a straight one about the value, or is not everywhere."""
+        ends = self.values[[0, -1]] - self.value
+        off = np.abs(ends - np.array([-self.half, self.half])).max()
+        return not off <= _BENT * self.half
+
+    def by_chance(self, away: FloatArray) -> FloatArray:
+        """What brings draws, so far from the middle, to their distribution on the line, (n,)."""
+        from scipy.special import ndtri
+
+        where = away @ self.slopes
+        count = len(where)
+        scores = np.empty(count)
+        scores[np.argsort(where, kind="stable")] = ndtri((np.arange(count) + 0.5) / count)
+        if not np.isfinite(self.values).all():
+            return np.zeros(count)
+        return np.asarray(self._on(scores) - self._on(where))
+
+    def _on(self, where: FloatArray) -> FloatArray:
+        """The measure at places on the line, straight beyond its ends."""
+        inner = np.interp(where, self.at, self.values)
+        low, high = np.diff(self.values)[[0, -1]] / np.diff(self.at)[[0, -1]]
+        below = np.minimum(where - self.at[0], 0.0) * low
+        return np.asarray(inner + below + np.maximum(where - self.at[-1], 0.0) * high)
 
 
 def _measure(evaluated: Evaluated, drawn: FloatArray | None, fit: AssessedFit) -> Measure:
@@ -259,13 +311,10 @@ def _measure(evaluated: Evaluated, drawn: FloatArray | None, fit: AssessedFit) -
     if drawn is not None:
         if np.isnan(drawn).mean() > _LACKING:
             return replace(bare, note=Message("measure/lacking"))
-        ends = np.nanpercentile(drawn, [2.5, 97.5])
-        if float(np.abs(ends - np.array(ci95)).max()) > _BENT * half:
-            low = min(float(ends[0]), value)
-            high = max(float(ends[1]), value)
-            ci95 = (low, high)
-            method = "draws"
-    elif definition.is_angle:
+        low, high = np.nanpercentile(drawn, [2.5, 97.5]).tolist()
+        ci95 = (min(low, value), max(high, value))
+        method = "draws"
+    elif not definition.of_recordings or definition.is_angle:
         pass
     elif half >= abs(value) and unit != "%":  # so far off no slope tells how the measure bends
         return replace(bare, note=Message("note/as-wide"))
