@@ -4,7 +4,15 @@ import textwrap
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
-from surae.base.formatting import estimate, in_a_line, percentage, short, significant
+from surae.base.formatting import (
+    NO_NUMBER,
+    estimate,
+    in_a_line,
+    of_interval,
+    percentage,
+    short,
+    significant,
+)
 from surae.base.tables import TextTable
 from surae.inference import AssessedFit, Assessment
 from surae.inference.assessment import outdated
@@ -12,6 +20,7 @@ from surae.inference.parameter import ParameterEstimate
 from surae.measures.compute import judged_measures, points
 from surae.measures.table import LEADING
 from surae.report.budget import what_would_help
+from surae.report.invariants import invariants
 from surae.report.laboratory import family_text
 from surae.report.parameters import repeatable, shown_parameters
 from surae.report.provenance import emphasis_text
@@ -32,6 +41,7 @@ def fit_table(fit: AssessedFit, width: int = 100) -> TextTable:
     assessment = fit.assessment
     words = adequacy_words(assessment.adequacy)
     listed = estimates_table(shown_parameters(assessment))
+    listed = replace(listed, rows=(*_invariant_rows(fit), *listed.rows))
     groups = [_notes(assessment), _helps(fit), _closing(fit)]
     return replace(
         listed,
@@ -63,6 +73,14 @@ def estimates_table(estimates: Iterable[ParameterEstimate]) -> TextTable:
             )
         )
     return TextTable(_HEADS, tuple(rows), numbers=("value", "95 % interval"))
+
+
+def _invariant_rows(fit: AssessedFit) -> Iterator[tuple[str, ...]]:
+    """What torque tells whatever arms and paths are, as parameters are shown."""
+    for m in invariants(fit):
+        assert m.value is not None
+        text = of_interval(m.value, m.ci95)
+        yield (m.name, text.value, text.interval, m.unit, NO_NUMBER, str(m.verdict), m.meaning)
 
 
 def _leading(fit: AssessedFit) -> Iterator[str]:
