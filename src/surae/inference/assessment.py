@@ -10,6 +10,7 @@ from surae._version import __version__
 from surae.base.file_form import filed
 from surae.base.formatting import chance
 from surae.base.frozen import Comparable
+from surae.base.normal import NORMAL
 from surae.base.threads import one_blas_thread
 from surae.base.words import Message
 from surae.inference import FitResult, PosteriorMode
@@ -316,10 +317,13 @@ def _with_geometry(
     What arms and paths make of it is about their mean, on a logarithm.
     """
     value = float(known.values[known.names.index(name)])
-    if not (known.goes_with_geometry(name) and value > 0.0):
+    if known.geometry is None or not known.geometry.moves(name) or not value > 0.0:
         return _possible(value, half, lower), half, half
-    alone = math.sqrt(max(half**2 - known.geometry_half_width(name) ** 2, 0.0))
-    low, high = known.about_geometry(name, _possible(value, alone, lower))
+    own = NORMAL * known.geometry.sd(name) * value
+    alone = math.sqrt(max(half**2 - own**2, 0.0))
+    low, high = known.geometry.about(name, _possible(value, alone, lower))
+    assert low is not None
+    assert high is not None
     return (low, high), max(high - value, value - low, alone), alone
 
 

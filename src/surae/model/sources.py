@@ -17,8 +17,13 @@ from surae.recording import FILMED
 #: How far a leg's arm is from the assumed one, on a logarithm: adults' differ by 9.5 % (Wolfram et
 #: al. 2018).
 ARM_SIZE = 0.095
-#: By how much a muscle lengthens of what its tendon travels, dx/dθ over the arm, on a logarithm:
-#: 0.30 to 1.09.
+#: By how much a muscle lengthens of what its arm makes of a turn, dx/dθ over the arm, on a
+#: logarithm: 0.30 to 1.09. Fibres of the relaxed triceps change by 15 to 28 mm over 45° (Maganaris
+#: et al. 1998, J. Physiol. 512:603-614), 0.40 to 0.74 of an arm of 48 mm; of the relaxed
+#: gastrocnemius's lengthening 48 ± 12 % is the fascicles' (Hoang et al. 2007, J. Exp. Biol.
+#: 210:4159-4168), by place in the muscle and joint that turns otherwise (Herbert et al. 2014, J.
+#: Physiol. 593:441-455; Hodson-Tole et al. 2016, Front. Physiol. 7:95); without pennation and on a
+#: stiff tendon it is 1. The spread is assumed, the same of both groups.
 GEAR = Gaussian(math.log(0.57), 0.33)
 #: How far that of the person's own lengths is from a table's: what pennation leaves.
 GEAR_OF_TABLE = 0.10

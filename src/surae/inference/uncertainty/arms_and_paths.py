@@ -16,6 +16,7 @@ import numpy as np
 
 from surae.base.frozen import Comparable, FrozenDict
 from surae.base.names import GEOMETRY_OF
+from surae.base.normal import NORMAL
 from surae.base.units import FloatArray
 from surae.inference.problem import FitProblem
 from surae.inference.result import FitResult
@@ -83,17 +84,61 @@ class ArmsAndPaths(Comparable):
         size = abs(self.values[name]) or 1.0
         return sum(self.centre[p] * of.get(name, 0.0) for p, of in self.by.items()) / size
 
+    def moves(self, name: str) -> bool:
+        """Whether a parameter, by nature positive, is known only as well as arm and path are."""
+        signed = any(p.signed for p in self.spec.parameters if p.name == name)
+        return not signed and any(name in of for of in self.by.values())
+
+    def sd(self, name: str) -> float:
+        """Standard deviation of a parameter's logarithm by arms and paths alone."""
+        size = abs(self.values[name]) or 1.0
+        return math.hypot(
+            *(
+                sum(sd * self.by[p].get(name, 0.0) for p, sd in row.items()) / size
+                for rows in self.rows.values()
+                for row in rows
+            )
+        )
+
     def reach(self, name: str) -> float:
         """Factor by which a parameter may lie beyond its bounds."""
-        size = abs(self.values.get(name, 0.0))
-        if not size or not any(name in of for of in self.by.values()):
+        if not self.values.get(name) or not self.moves(name):
             return 1.0
-        variance = sum(
-            sum(sd * self.by[p].get(name, 0.0) for p, sd in row.items()) ** 2
-            for rows in self.rows.values()
-            for row in rows
-        )
-        return math.exp(min(_REACH * math.sqrt(variance) / size + abs(self.shift(name)), 5.0))
+        return math.exp(min(_REACH * self.sd(name) + abs(self.shift(name)), 5.0))
+
+    def about(
+        self, name: str, ends: tuple[float | None, float | None]
+    ) -> tuple[float | None, float | None]:
+        """An interval at the fit's arm and path, with what these may be, on a logarithm.
+
+        An end that is open stays so; one of another sign than the value stays where it is.
+        """
+        value = self.values[name]
+        if not (self.moves(name) and value > 0.0):
+            return ends
+        more = NORMAL * self.sd(name)
+        shift = self.shift(name)
+        least, most = ends
+        if least is not None and least > 0.0:
+            away = -math.log(least / value)
+            least *= math.exp(shift + away - math.hypot(away, more))
+        if most is not None and most > 0.0:
+            away = math.log(most / value)
+            most *= math.exp(shift + math.hypot(away, more) - away)
+        return least, most
+
+    def legs(self, columns: Mapping[str, FloatArray], seed: int) -> dict[str, FloatArray]:
+        """Columns of draws at the fit's arms and paths, moved to such as may be."""
+        rng = np.random.default_rng([seed, 3])
+        count = len(next(iter(columns.values())))
+        logs = {p: np.full(count, self.values.get(p, 0.0) + by) for p, by in self.centre.items()}
+        for rows in self.rows.values():
+            for row in rows:
+                scores = rng.standard_normal(count)
+                for p, sd in row.items():
+                    logs[p] += sd * scores
+        changed = self.moved({**columns, **logs})
+        return {name: changed.get(name, own) for name, own in columns.items()}
 
 
 def arms_and_paths(result: FitResult) -> ArmsAndPaths | None:

@@ -182,8 +182,7 @@ class Uncertainty(Comparable):
 
     def goes_with_geometry(self, name: str) -> bool:
         """Whether a parameter is known only as well as arm and path are."""
-        known = self.geometry
-        return known is not None and any(name in of for p, of in known.by.items() if p != name)
+        return self.geometry is not None and self.geometry.moves(name)
 
     def room(self, name: str) -> tuple[float, float]:
         """Bounds of a parameter, those of a search by as much wider as arms and paths may be."""
@@ -213,23 +212,6 @@ class Uncertainty(Comparable):
             by = [min(max(shift + way * half / size, -50.0), 50.0) for way in (-1.0, 1.0)]
             ends = (origin + size * math.exp(by[0]), origin + size * math.exp(by[1]))
         return min(max(min(ends), low), high), min(max(*ends, low), high)
-
-    def geometry_half_width(self, name: str) -> float:
-        """Half of the 95 % interval that arms and paths alone make, in the parameter's unit."""
-        known = self.geometry.rows if self.geometry is not None else {}
-        parts = self.variances(self.along(name))
-        return NORMAL * math.sqrt(sum(parts.get(source, 0.0) for source in known))
-
-    def about_geometry(self, name: str, ends: tuple[float, float]) -> tuple[float, float]:
-        """An interval at the fit's arm and path, with what these may be, on a logarithm."""
-        assert self.geometry is not None
-        value = float(self.values[self.names.index(name)])
-        more = self.geometry_half_width(name) / value
-        shift = self.geometry.shift(name)
-        low, high = (math.log(end / value) if end > 0.0 else -math.inf for end in ends)
-        least = shift - math.hypot(low, more)
-        most = shift + math.hypot(high, more)
-        return value * math.exp(least), value * math.exp(most)
 
     def draw(self, count: int, seed: int) -> FloatArray:
         """Values of legs that the fit leaves possible, shape (count, p), each with its opposite."""
