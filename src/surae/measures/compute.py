@@ -314,7 +314,7 @@ def _measure(evaluated: Evaluated, drawn: FloatArray | None, fit: AssessedFit) -
         low, high = np.nanpercentile(drawn, [2.5, 97.5]).tolist()
         ci95 = (min(low, value), max(high, value))
         method = "draws"
-    elif not definition.of_recordings or definition.is_angle:
+    elif not definition.of_recordings:
         pass
     elif half >= abs(value) and unit != "%":  # so far off no slope tells how the measure bends
         return replace(bare, note=Message("note/as-wide"))
@@ -366,8 +366,8 @@ def extrapolated(evaluated: Evaluated, result: FitResult) -> Message | None:
     """What of a measure was not measured; None where all was."""
     definition = evaluated.point.definition
     at = evaluated.point.at
-    beside = definition.is_angle and not definition.of_recordings
-    if definition.at == "deg" or beside or definition.span:
+    shown = definition.is_angle and not definition.name.startswith("working_point")
+    if definition.at == "deg" or shown or definition.span:
         degrees = evaluated.value if definition.is_angle else at
         low, high = measured_range(result)
         if definition.span and definition.is_angle:  # how far before the range's end

@@ -6,20 +6,13 @@ Stiffness coefficients and lengths are known only as well as the assumed arm and
 
 import math
 
-import numpy as np
-
-from surae.base.units import FloatArray
-from surae.measures.leg import GROUPS, Leg, NotDefinedError
-from surae.measures.muscle import elongation, elongations
+from surae.measures.leg import Leg, NotDefinedError
+from surae.measures.muscle import elongation
 from surae.model.contraction import CF
 from surae.model.tendon import tendon_force
 
 #: Channel of each muscle's EMG, and the group it is of.
 _CHANNELS = {"ta": (0, "tib"), "gl": (1, "tri"), "sol": (2, "tri"), "gm": (3, "tri")}
-#: Angles at which a path is looked up between the ends of a movement, and those between which the
-#: strongest is looked for [deg].
-_PLACES = 16
-_STRONGEST = (-60.0, 45.0)
 
 
 def passive_exponent(leg: Leg, _: float, group: str) -> float:
@@ -70,16 +63,18 @@ def torque_gain(leg: Leg, _: float, muscle: str) -> float:
 
 
 def maximal_torque(leg: Leg, _: float, group: str) -> float:
-    """Most torque that the {short} would add at any angle, at the session's largest activity.
+    """Most torque that the {short} would add within the range, at the session's largest activity.
 
-    The greatest T(α) − T(0) over the angle, α the 99th percentile of the active state.
+    The greatest T(α) − T(0) over the angles that were moved through, α the 99th percentile of the
+    active state.
     """
     from scipy.optimize import minimize_scalar
 
     alpha = max(leg.largest_activity[group], 0.0)
+    low, high = map(leg.turned, leg.range_to(math.inf))
     best = minimize_scalar(
         lambda angle: -leg.active_torque(group, float(angle), alpha),
-        bounds=_STRONGEST,
+        bounds=(low, high),
         method="bounded",
         options={"xatol": 0.2},
     )
@@ -87,30 +82,11 @@ def maximal_torque(leg: Leg, _: float, group: str) -> float:
 
 
 def working_point(leg: Leg, _: float, group: str) -> float:
-    """Where the {short} {work} on the force–length curve: how far beyond the optimum, as an angle.
+    """Where the relaxed {short} {work} on the force–length curve at 0°, beyond the optimum.
 
-    Mean of (x − l0)/|dx/dθ|, dx/dθ at 0°, weighted by the active state; below 0 they are shorter.
+    (x − l0)/|dx/dθ| as an angle, x at 0°; below 0 the muscle is shorter than its optimal length.
     """
-    if not leg.inputs:
-        raise NotDefinedError("none/activity")
-    index = GROUPS.index(group)
-    l0 = leg.optimal_length(group)
-    sums = np.zeros(2)
-    for (_parts, forces, states), inputs in zip(leg.split, leg.inputs, strict=True):
-        active = np.maximum(states[index], 0.0)
-        lengths = _lengths(leg, group, np.degrees(inputs.angle), forces[index])
-        sums += float(active @ (lengths - l0)) / inputs.rate_hz, active.sum() / inputs.rate_hz
-    if not sums[1] > 0.0:
-        raise NotDefinedError("none/activity")
-    return math.degrees(sums[0] / sums[1] / abs(leg.hold(group, 0.0).slope))
-
-
-def _lengths(leg: Leg, group: str, device: FloatArray, force: FloatArray) -> FloatArray:
-    """Length of a muscle [m] while the device shows angles [deg], of the force on its tendon."""
-    shown = device + math.degrees(leg.values.get("angle_zero", 0.0)) - leg.zero_deg
-    places = np.linspace(shown.min(), shown.max(), _PLACES)
-    own = [leg.rigid_length(group, leg.turned(float(at))) for at in places]
-    whole = np.interp(shown, places, own)
-    if not leg.is_compliant:
-        return np.asarray(whole)
-    return np.asarray(whole - elongations(leg.tendon(group), force))
+    if f"l0_{group}" not in leg.values:
+        raise NotDefinedError("none/optimal-length")
+    hold = leg.hold(group, 0.0)
+    return math.degrees((hold.length - leg.optimal_length(group)) / abs(hold.slope))

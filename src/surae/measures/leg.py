@@ -161,11 +161,6 @@ class Leg:
             raise NotDefinedError("none/moved")
         return low, high if end == math.inf else end
 
-    @property
-    def zero_deg(self) -> float:
-        """Angle of the fit at which the ankle has its own zero [deg]."""
-        return self.values.get(ZERO, 0.0) / _DEGREE
-
     def turned(self, degrees: float) -> float:
         """Angle of the ankle [deg] at one of the movement, whose axis lies beside the device's.
 

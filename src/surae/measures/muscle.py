@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from surae.base.units import FloatArray
 from surae.model.contraction import force_length
 from surae.model.tendon import TendonCurve, tendon_force
 
@@ -83,14 +82,6 @@ def elongation(curve: TendonCurve, force: float) -> float:
     if force <= tendon_force(e_toe, curve)[0]:
         return float(np.log1p(force / scale) / bend)
     return (force - offset) / k_lin
-
-
-def elongations(curve: TendonCurve, force: FloatArray) -> FloatArray:
-    """The same of many forces [N], shape (n,); a slack tendon's is 0."""
-    e_toe, bend, scale, k_lin, offset = curve
-    toe = np.log1p(np.maximum(force, 0.0) / scale) / bend
-    straight = (force - offset) / k_lin
-    return np.asarray(np.where(force <= tendon_force(e_toe, curve)[0], toe, straight))
 
 
 def series(a: float, b: float) -> float:

@@ -162,14 +162,7 @@ INVARIANT: tuple[Definition, ...] = (
         for muscle in MUSCLE_NAMES
     ),
     *_pair("maximal_torque", "Nm", invariant.maximal_torque, of_recordings=True, alone=_EFFORT),
-    *_pair(
-        "working_point",
-        "deg",
-        invariant.working_point,
-        is_angle=True,
-        of_recordings=True,
-        alone=_MOVEMENT,
-    ),
+    *_pair("working_point", "deg", invariant.working_point, is_angle=True),
 )
 DEFINITIONS: tuple[Definition, ...] = (
     _moved("end_stiffness", "Nm/deg", passive.end_stiffness, passive.last_degrees),
