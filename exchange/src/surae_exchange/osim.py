@@ -37,6 +37,12 @@ def osim(joint: JointModel, comments: list[str]) -> str:
     for muscle in joint.muscles:
         _muscle(forces, muscle)
         _tissue(forces, muscle)
+    if joint.tissue.pulls:
+        of = joint.tissue
+        beside = SubElement(forces, "ExpressionBasedCoordinateForce", name="joint_tissue")
+        _set(beside, "coordinate", f"{anatomy.name}_angle")
+        terms = f"{of.torque:.12g}+({of.stiffness:.12g})*q+({of.damping:.12g})*qdot"
+        _set(beside, "expression", f"-({terms})")
     return text_of(document, comments)
 
 
@@ -58,6 +64,7 @@ def _muscle(forces: Element, of: JointMuscle) -> None:
         "deactivation_time_constant": muscle.lag,
         "default_activation": _LEAST,
         "fiber_damping": 0.0,
+        "active_force_width_scale": muscle.width,
         "ignore_passive_fiber_force": "true",  # the tissue is a force of its own
         "tendon_strain_at_one_norm_force": 0.049 if rigid else muscle.strain,
     }

@@ -118,13 +118,7 @@ def measure_next_of(
         )
     if assessment.adequacy.grade is Grade.INADEQUATE:
         return _nothing("inadequate", reason=assessment.adequacy.reasons[0])
-    weak = (
-        tuple(wanted)
-        if wanted
-        else tuple(
-            n for n in legs.own if assessment.parameters[n].verdict is not Verdict.IDENTIFIED
-        )
-    )
+    weak = tuple(wanted) if wanted else tuple(n for n in legs.own if not _is_known(assessment, n))
     if not weak:
         return _nothing("identified")
     known = known_from(fit, legs)
@@ -191,6 +185,16 @@ def fit_precision(fit: AssessedFit, legs: Legs) -> dict[str, Any]:
     known = known_from(fit, legs)
     now, stays = _kept(fit.assessment, legs, known)
     return {"known": known, "now": now, "stays": stays}
+
+
+def _is_known(assessment: Assessment, name: str) -> bool:
+    """Whether all is known of a parameter that a trial could tell: no arm, no path."""
+    p = assessment.parameters[name]
+    known = assessment.uncertainty
+    if p.verdict is Verdict.IDENTIFIED or not (known.goes_with_geometry(name) and p.repeatable):
+        return p.verdict is Verdict.IDENTIFIED
+    own = known.at_assumed
+    return own.half_width(own.along(name)) <= IDENTIFIED * abs(p.value)
 
 
 def _kept(
