@@ -172,6 +172,32 @@ def arms_and_paths(result: FitResult) -> ArmsAndPaths | None:
     )
 
 
+def assumed_sd(
+    values: Mapping[str, float],
+    spec: ModelSpec,
+    options: ModelOptions,
+    beliefs: Mapping[str, Gaussian],
+) -> dict[str, float]:
+    """Standard deviation of each parameter of a leg by arms and paths of which nothing is stated.
+
+    As a part of the value; `beliefs` has the scales of films that are to be made.
+    """
+    variances = dict[str, float]()
+    for group in GROUPS:
+        if not has_symmetry(spec, group):
+            continue
+        arm, path = (generator(values, spec, options, group, scale) for scale in (ARM, PATH))
+        films = films_of(group, tuple(beliefs))
+        of_path = beliefs[films[0]].sd if films else GEAR.sd
+        along = 0.0 if films else 1.0  # a film tells the path whatever the arm is
+        for name in {*arm, *path} & values.keys():
+            size = abs(values[name])
+            if size > 0.0:
+                both = ARM_SIZE * (arm.get(name, 0.0) + along * path.get(name, 0.0))
+                variances[name] = (both**2 + (of_path * path.get(name, 0.0)) ** 2) / size**2
+    return {name: math.sqrt(variance) for name, variance in variances.items()}
+
+
 def _known(result: FitResult, group: str) -> list[tuple[str, dict[str, float], dict[str, float]]]:
     """What is known of a group's arm and path: sources, their standard deviations, and means."""
     problem = result.problem
