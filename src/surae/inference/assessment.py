@@ -257,7 +257,7 @@ def _parameters(
             whole, half = (known.half_width(along, biased=b) for b in (True, False))
             repeat = known.repeat_half_width(along)
             again = _possible(value, repeat, lower)
-            budget = dict(known.budget(along).shares)
+            budget = {s: part for s, part in known.budget(along).shares.items() if part}
             repeatable = repeat <= IDENTIFIED * abs(value) and not withheld
             if whole > half:
                 part = (half / whole) ** 2  # of a variance that a bias shares, whatever their size

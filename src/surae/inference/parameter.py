@@ -10,7 +10,7 @@ import numpy as np
 
 from surae.base.file_form import filed
 from surae.base.formatting import in_a_line
-from surae.base.normal import NORMAL
+from surae.base.normal import NORMAL, standard_error_of
 from surae.base.words import Message
 from surae.inference.uncertainty.covariance import Covariance
 from surae.model.registry import PARAMETERS
@@ -179,5 +179,7 @@ class ParameterEstimate:
 
     @property
     def trusted_sem(self) -> float | None:
-        """The standard error that `ci95` is made of."""
+        """The standard error that `ci95` is made of; with arms and paths what it stands for."""
+        if self.interval is not Interval.MARGINAL and self.ci95 and self.budget.get("arm_size"):
+            return standard_error_of(self.ci95)
         return self.sem_robust if self.interval is Interval.ROBUST else self.sem

@@ -5,15 +5,14 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 from surae.base.formatting import (
-    NO_NUMBER,
     estimate,
     in_a_line,
-    of_interval,
     percentage,
     short,
     significant,
 )
 from surae.base.tables import TextTable
+from surae.base.words import Message
 from surae.inference import AssessedFit, Assessment
 from surae.inference.assessment import outdated
 from surae.inference.parameter import ParameterEstimate
@@ -28,6 +27,14 @@ from surae.report.recordings import film_lines
 from surae.report.wording import adequacy_words
 
 _HEADS = ("parameter", "value", "95 % interval", "unit", "repeats", "verdict", "meaning")
+#: Measures that a screen leaves to the table of all.
+_DETAILS = ("torque_gain", "working_point")
+#: What intervals rest on that are wide for nothing the torque tells, by their note's code.
+_RESTS = {
+    "note/geometry": "Mostly by arms and paths, which no torque tells (film the muscle, or state a "
+    "geometry)",
+    "note/arm": "Mostly by the moment arm (state the leg’s own)",
+}
 #: How steps begin that are shown: what the user asked for, not what every fit does.
 _REQUESTS = ("Weights: ", "EMG normalised: ")
 
@@ -41,7 +48,6 @@ def fit_table(fit: AssessedFit, width: int = 100) -> TextTable:
     assessment = fit.assessment
     words = adequacy_words(assessment.adequacy)
     listed = estimates_table(shown_parameters(assessment))
-    listed = replace(listed, rows=(*_invariant_rows(fit), *listed.rows))
     groups = [_notes(assessment), _helps(fit), _closing(fit)]
     return replace(
         listed,
@@ -50,6 +56,7 @@ def fit_table(fit: AssessedFit, width: int = 100) -> TextTable:
             f"{words.mark} {words.sentence}",
             *(f"  – {reason}" for reason in words.reasons),
             *_leading(fit),
+            *_invariant_lines(fit),
             *filter(None, [outdated(assessment)]),
         ),
         below=tuple(_folded(filter(None, groups), width)),
@@ -75,12 +82,19 @@ def estimates_table(estimates: Iterable[ParameterEstimate]) -> TextTable:
     return TextTable(_HEADS, tuple(rows), numbers=("value", "95 % interval"))
 
 
-def _invariant_rows(fit: AssessedFit) -> Iterator[tuple[str, ...]]:
-    """What torque tells whatever arms and paths are, as parameters are shown."""
+def _invariant_lines(fit: AssessedFit) -> Iterator[str]:
+    """What torque tells whatever arms and paths are, but for details: of one kind, a line."""
+    of_kind: dict[str, list[str]] = {}
     for m in invariants(fit):
+        if m.name.startswith(_DETAILS):
+            continue
         assert m.value is not None
-        text = of_interval(m.value, m.ci95)
-        yield (m.name, text.value, text.interval, m.unit, NO_NUMBER, str(m.verdict), m.meaning)
+        kind, _, which = m.name.partition("@")[0].rpartition("_")
+        text = in_a_line(which, m.value, m.ci95, m.unit)
+        at = m.name.partition("@")[2]
+        of_kind.setdefault(kind, []).append(f"{text}{f' at {at}' if at else ''} {m.verdict}")
+    for kind, texts in of_kind.items():
+        yield f"{kind}: {'; '.join(texts)}"
 
 
 def _leading(fit: AssessedFit) -> Iterator[str]:
@@ -104,10 +118,17 @@ def _folded(groups: Iterable[list[str]], width: int) -> Iterator[str]:
 def _notes(assessment: Assessment) -> list[str]:
     """Why parameters are not identified and what to do, one line for each reason."""
     reasons: dict[str, list[str]] = {}
+    rests: dict[str, list[str]] = {}
     for p in assessment.parameters.values():
         if p.verdict in ("weak", "undetermined", "at-bound"):
-            reasons.setdefault(p.note, []).append(p.name)
+            why = _RESTS.get(p.note.code) if isinstance(p.note, Message) else None
+            if why is not None and isinstance(p.note, Message):
+                low, high = (p.note.values[end] for end in ("low", "high"))
+                rests.setdefault(why, []).append(f"{p.name} {low} to {high} %")
+            else:
+                reasons.setdefault(p.note, []).append(p.name)
     lines = [f"{', '.join(names)}: {note}" for note, names in reasons.items()]
+    lines += [f"{why}: {', '.join(spans)}" for why, spans in rests.items()]
     return ["Not identified:", *lines] if lines else []
 
 
