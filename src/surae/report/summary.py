@@ -89,12 +89,12 @@ def _invariant_lines(fit: AssessedFit) -> Iterator[str]:
         if m.name.startswith(_DETAILS):
             continue
         assert m.value is not None
-        kind, _, which = m.name.partition("@")[0].rpartition("_")
-        text = in_a_line(which, m.value, m.ci95, m.unit)
-        at = m.name.partition("@")[2]
-        of_kind.setdefault(kind, []).append(f"{text}{f' at {at}' if at else ''} {m.verdict}")
-    for kind, texts in of_kind.items():
-        yield f"{kind}: {'; '.join(texts)}"
+        name, _, at = m.name.partition("@")
+        kind, _, which = name.rpartition("_")
+        texts = of_kind.setdefault(kind, [])
+        called = f"{f'_{which}' if texts else name}{f'@{at}' if at else ''}"
+        texts.append(f"{in_a_line(called, m.value, m.ci95, m.unit)}: {m.verdict}")
+    yield from ("; ".join(texts) for texts in of_kind.values())
 
 
 def _leading(fit: AssessedFit) -> Iterator[str]:
