@@ -211,3 +211,22 @@ def test_saved_fits_are_judged_anew(inputs, tmp_path) -> None:
     fit = surae.fit(surae.example(), model="muscle", starts=1)
     fit.save(tmp_path / "fit.json")
     assert surae.load(tmp_path / "fit.json").assessment.uncertainty == fit.assessment.uncertainty
+
+
+def test_profiles_and_posteriors_know_arms_and_paths_too() -> None:
+    fit = surae.fit(surae.example(), model="muscle", starts=1)
+    profiled = surae.profile(fit, ["l0_tri", "f0"])
+    low, high = profiled["l0_tri"].interval
+    least, most = profiled["l0_tri"].with_geometry
+    assert np.log(most / least) == pytest.approx(
+        np.hypot(np.log(high / low), 2 * NORMAL * np.hypot(GEAR.sd, ARM_SIZE)), rel=0.02
+    )
+    assert profiled["f0"].with_geometry is None
+    drawn = surae.posterior(fit, draws=2000, seed=1)
+    at_fit = np.log(fit["l0_tri"].ci95)
+    assert np.log(drawn["l0_tri"].ci95) == pytest.approx(at_fit, abs=0.1)
+    assert drawn["l0_tri"].from_covariance == pytest.approx(fit["l0_tri"].ci95, rel=0.1)
+    # stiffness and length go against each other along the path, and the torque is the same
+    k, l0 = np.log(drawn.of("k_tri")), np.log(drawn.of("l0_tri"))
+    assert np.corrcoef(k, l0)[0, 1] < -0.9
+    assert np.std(k + l0) < 0.2 * np.std(k)
