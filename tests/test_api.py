@@ -77,7 +77,9 @@ def test_the_contract_s_example(fit):
     assert p.value == fit.values["l0_tri"] == fit.result.values["l0_tri"]
     assert p.ci95[0] < p.value < p.ci95[1]
     assert p.sem > 0
-    assert p.verdict == "identified"
+    assert p.verdict == "undetermined"  # a length is known only as well as its path
+    assert p.repeatable
+    assert fit["f0"].verdict == "identified"
     assert fit.vaf > 99.9
     k = len(fit.covariance.names)
     assert fit.correlation.shape == (k, k)

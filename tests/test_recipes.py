@@ -130,7 +130,7 @@ def _direction(inputs: "ModelInputs") -> FloatArray:
         ("model/source_table.py", "    UncertaintySource(", SCALE),
         (
             "inference/uncertainty/combined.py",
-            "    return Uncertainty(",
+            "    made = Uncertainty(",
             '    rows["scale"] = 0.005 * values[None, :]\n',
         ),
     ],

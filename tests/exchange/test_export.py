@@ -67,6 +67,69 @@ def test_departures_of_the_leg_are_in_the_file_and_the_laboratorys_are_named():
     assert joint.muscles[0].muscle != narrower.muscles[0].muscle
 
 
+@pytest.mark.parametrize(("seed", "model"), [(2, "muscle"), (1, "muscle-tendon")])
+def test_a_fibre_is_as_long_as_fitted_and_its_curve_is_wider_instead(seed, model) -> None:
+    leg = leg_of(seed, model)
+    joint = joint_of(leg, MOVED, springs=False)
+    assert joint.rms < 0.015 * joint.largest
+    for of, group in zip(joint.muscles, ("tri", "tib"), strict=True):
+        assert of.muscle.optimal == leg.values[f"l0_{group}"]
+        assert of.muscle.width >= 1.0
+        assert f"{of.name} {of.muscle.width:.3g}" in joint.widths
+    # the thesis's triceps travels 17 mm/rad under an arm of 48
+    assert joint.muscles[0].muscle.width > 5.0
+    assert "triceps_surae: its force-length curve is" in joint.warnings[0]
+    told = [float(e.text) for e in root_of(osim(joint, [])).iter("active_force_width_scale")]
+    assert told == [pytest.approx(of.muscle.width) for of in joint.muscles]
+
+
+def test_a_limit_that_is_met_is_said() -> None:
+    joint = joint_of(leg_of(2), MOVED, springs=False)
+    assert joint.muscles[1].muscle.at_limit == ("width",)
+    assert joint.warnings[-1] == "tibialis_anterior: at the end of what is possible there: width."
+
+
+def test_a_triceps_that_travels_by_its_arm_has_a_narrower_curve() -> None:
+    leg = leg_of(2)
+    own = {"x0_tri": 0.03, "k_tri": 60.0, "l0_tri": 0.09, "l0_tib": 0.11, "k_tib": 70.0}
+    options = ModelOptions(geometry="virtual-work")
+    leg = Leg(leg.spec, options, {**leg.values, **own, "x0_tib": 0.075})
+    joint = joint_of(leg, MOVED, springs=False)
+    printed = joint_of(leg_of(2), MOVED, springs=False)
+    assert 1.0 <= joint.muscles[0].muscle.width < 0.5 * printed.muscles[0].muscle.width
+
+
+def root_of(text: str) -> ElementTree.Element:
+    return ElementTree.fromstring(text.encode())
+
+
+@pytest.mark.parametrize("springs", [False, True])
+def test_what_holds_the_joint_beside_its_muscles_is_in_the_file(springs) -> None:
+    plain = leg_of(3)
+    spec = with_optional(plain.spec, ["joint_stiffness", "joint_damping"])
+    own = {"joint_stiffness": 2.0, "joint_torque": 0.3, "joint_damping": 0.1}
+    leg = Leg(spec, plain.options, {**plain.values, **own})
+    joint = joint_of(leg, MOVED, springs=springs)
+    assert joint.missing == ()
+    assert joint.tissue.torque == pytest.approx(0.3 + 2.0 * 0.26)
+    root = ElementTree.fromstring((mjcf if springs else osim)(joint, []).encode())
+    if springs:
+        (hinge,) = (each for each in root.iter("joint") if each.get("type") == "hinge")
+        assert float(hinge.get("stiffness")) == 2.0
+        assert 2.0 * float(hinge.get("springref")) == pytest.approx(-joint.tissue.torque)
+        assert float(hinge.get("damping")) == 0.1
+        loose = leg.with_values({"joint_stiffness": 0.0})
+        assert joint_of(loose, MOVED, springs=True).missing == ("joint_torque",)
+        assert joint_of(loose, MOVED, springs=False).missing == ()
+    else:
+        (force,) = root.iter("ExpressionBasedCoordinateForce")
+        # a torque of ours resists dorsiflexion, a force there drives it
+        expression = force.findtext("expression")
+        for q in (-0.3, 0.0, 0.2):
+            told = eval(expression, {"q": q, "qdot": 0.5})
+            assert told == pytest.approx(-(leg.joint_torque(np.degrees(q)) + 0.1 * 0.5))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("seed", "model"), [(1, "muscle"), (2, "muscle"), (3, "muscle-tendon")])
 def test_mujoco_has_this_torque(seed, model):

@@ -12,6 +12,7 @@ from surae.inference.judging.validation import predict_others
 from surae.inference.judging.verdict import IDENTIFIED
 from surae.inference.least_squares.residuals import Residuals
 from surae.inference.uncertainty.covariance import half_width
+from surae.model.symmetry import GROUPS
 from surae.recording import SourceFile
 from surae.recording.recording import MUSCLES
 
@@ -28,7 +29,10 @@ def with_emg(inputs, **columns):
 
 
 def test_every_parameter_of_an_ordinary_fit(fitted):
-    found = assess(fitted)
+    known = {f"{of}_{group}": (0.0, 0.0) for of in ("arm_scale", "path_scale") for group in GROUPS}
+    settings = replace(fitted.problem.settings, nuisances=known)
+    found = assess(replace(fitted, problem=replace(fitted.problem, settings=settings)))
+    assert found.uncertainty.geometry is None
     assert list(found.parameters) == list(fitted.problem.spec.names)
     for name, p in found.parameters.items():
         assert p.name == name
@@ -195,11 +199,11 @@ def test_what_may_be_off_is_not_told_in_percent(fitted, name, value, half, unit,
         names=tuple(name if i == j else f"p{i}" for i in range(len(estimated.names))),
         correlation=np.eye(len(estimated.names)),
     )
-    verdict, note = judge_interval(name, value, half, alone, unit)
+    verdict, note = judge_interval(name, value, half, alone)
     assert verdict is not Verdict.IDENTIFIED
     assert note == f"not distinguishable from 0 (95 %: {said})"
     # As soon as its interval leaves 0 out, a percentage means something.
-    _, note = judge_interval(name, 1.01 * half, half, alone, unit)
+    _, note = judge_interval(name, 1.01 * half, half, alone)
     assert note.startswith("known only to ±99 %")
 
 
@@ -214,7 +218,7 @@ def test_a_partner_of_what_may_be_off_is_named(fitted):
     estimated = assess(fitted).covariance
     names = list(estimated.names)
     names[names.index("x0_tri")] = "emd"  # which trades off with k_tri
-    _, note = judge_interval("emd", 1e-3, 1e-2, replace(estimated, names=tuple(names)), "s")
+    _, note = judge_interval("emd", 1e-3, 1e-2, replace(estimated, names=tuple(names)))
     assert note.startswith("not distinguishable from 0 (95 %: −9 … 11 ms): trades off with k_tri")
 
 

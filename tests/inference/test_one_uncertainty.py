@@ -109,7 +109,7 @@ def test_a_named_model_that_the_data_contradict_is_as_unsure_in_its_measures() -
     known = held.uncertainty
     assert np.any(known.shift)
     for name, p in held.parameters.items():
-        if p.ci95:
+        if p.ci95 and not known.goes_with_geometry(name):
             half = p.ci95[1] - p.value  # the lower end stops at nought
             assert known.half_width(known.along(name)) == pytest.approx(half)
     wider = surae.Fit(result, held).measures()
@@ -128,7 +128,7 @@ def test_the_report_has_the_numbers_of_the_fit(fit) -> None:
 
 
 def test_draws_are_within_bounds_and_each_has_its_opposite(fit) -> None:
-    known = fit.assessment.uncertainty
+    known = fit.assessment.uncertainty.at_assumed  # another arm or path may take them beyond
     drawn = known.draw(11, seed=4)
     assert drawn.shape == (11, len(known.names))
     assert np.all(drawn >= np.minimum(known.lower, known.values) - 1e-12)

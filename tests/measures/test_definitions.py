@@ -121,6 +121,26 @@ def expected(p) -> dict[str, float]:
         weights = ("g2", "g3", "g4") if group == "tri" else ("g1",)
         per_volt = lift(p, group, force(p, group, 0.0)[1]) * sum(p[w] for w in weights)
         told[f"torque_per_emg_{group}"] = 1e-3 * arm(group, 0) * per_volt
+        travel = abs(length(group, 1e-6) - length(group, -1e-6)) / 2e-6
+        told[f"passive_exponent_{group}"] = p[f"k_{group}"] * travel
+        wide = [np.exp(p.get(f"fl_{side}_{group}", 0.0)) for side in ("short", "long")]
+        reach = np.sqrt(0.1) * p[f"l0_{group}"] * np.mean(wide)
+        told[f"active_width_{group}"] = np.degrees(reach / travel)
+        beyond = force(p, group, 0.0)[1] - p[f"l0_{group}"]
+        told[f"working_point_{group}"] = np.degrees(beyond / travel)
+        muscles = ("gl", "sol", "gm") if group == "tri" else ("ta",)
+        for muscle, weight in zip(muscles, weights, strict=True):
+            told[f"torque_gain_{muscle}"] = arm(group, 0) * p[weight]
+        if "dlt_tri" in p:
+            at = 25.0 if group == "tri" else 4.0
+
+            def missing(e: float, group=group, at=at) -> float:
+                return arm(group, 0) * tendon(p, group, e) - at
+
+            e = optimize.brentq(missing, 0.0, 0.1, xtol=1e-15)
+            per_length = (missing(e + 1e-8) - missing(e - 1e-8)) / 2e-8
+            turned = np.radians(per_length * travel)
+            told[f"tendon_rotational_stiffness_{group}@{at:g}Nm"] = turned
     relaxation = signal.TransferFunction([p["tau_rel"], 1], [p["tau_rel"], 1 + p["k_rel"]])
     t = np.linspace(0, 10, 20001)
     response = signal.step(relaxation, T=t)[1]
@@ -290,6 +310,28 @@ def test_a_slow_stretch_meets_what_has_not_relaxed_yet() -> None:
     by = np.interp([9, 11], degrees, total)
     assert told["slow_stiffness@10deg"] == pytest.approx((by[1] - by[0]) / 2, rel=5e-3)
     assert told["slow_torque@10deg"] > told["passive_torque@10deg"]
+
+
+@pytest.mark.parametrize("compliant", [False, True])
+def test_strength_is_that_of_the_recordings(clean, compliant) -> None:
+    p = random_leg(3)
+    if not compliant:
+        p = {n: v for n, v in p.items() if not n.startswith(("dlt", "pt"))}
+    spec = get_model("muscle-tendon-toe" if compliant else "muscle")
+    p = {n: v for n, v in p.items() if n in spec.names}
+    vector = spec.vector(p, ModelOptions())
+    values = dict(zip(spec.names, vector.tolist(), strict=True))
+    leg = Leg(spec, ModelOptions(), values, (clean,), moved=(-40.0, 20.0))
+    _, _, states = spec.simulator(clean, ModelOptions()).split(vector)
+    told = {d.name: d.value(leg, 0.0) for d in DEFINITIONS if d.name.startswith("maximal")}
+    for i, group in enumerate(("tri", "tib")):
+        alpha = np.percentile(states[i], 99.0)
+        torques = [abs(active(p, group, a, alpha)) for a in np.arange(-40.0, 20.1, 0.5)]
+        assert told[f"maximal_torque_{group}"] == pytest.approx(max(torques), rel=2e-3)
+    for each in DEFINITIONS:
+        if each.name in told:
+            with pytest.raises(NotDefinedError):
+                each.value(replace(leg, inputs=()), 0.0)
 
 
 def test_every_measure_says_what_it_is() -> None:

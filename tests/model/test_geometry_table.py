@@ -19,6 +19,7 @@ from surae.model import (
     with_optional,
 )
 from surae.model.geometry import paths
+from surae.model.geometry_file import geometry_of_text
 from surae.model.laboratory import laboratory
 from surae.settings import FitSettings
 from surae.signals.prepare import smoothed
@@ -333,3 +334,57 @@ def test_a_persons_own_geometry_narrows_what_is_believed():
     older = FitSettings().as_dict()
     del older["geometry_of"]
     assert from_plain(FitSettings, older) == FitSettings()
+
+
+def _text(*, arm: float = 50.0, gear: float = 0.95, zero: float = 450.0, notes: str = "") -> str:
+    """A geometry of constant arms [mm], whose muscles travel a part of them."""
+    lines = [notes, "angle_deg,length_tri_mm,arm_tri_mm,length_tib_mm,arm_tib_mm"]
+    for degrees in np.linspace(-50.0, 30.0, 17):
+        turned = np.radians(degrees)
+        tri, tib = zero + gear * 50.0 * turned, 300.0 - 0.95 * 40.0 * turned
+        lines.append(f"{degrees},{tri},{arm},{tib},40")
+    return "\n".join(filter(None, lines)) + "\n"
+
+
+def test_lengths_that_contradict_their_arms_are_named_with_the_ratio() -> None:
+    told = "# tolerance_mm = 60"  # what pennation leaves is for the file to state
+    assert geometry_of_text("good.csv", _text()).arms_mm == pytest.approx((50.0, 40.0))
+    with pytest.raises(InputError, match=r"\(lengths change by 0\.6 times the arm\)"):
+        geometry_of_text("bad.csv", _text(gear=0.6))
+    for gear in (0.25, 0.6, 1.2):
+        geometry_of_text("good.csv", _text(gear=gear, notes=told))
+    with pytest.raises(InputError, match=r"length of tri changes by 1\.67 times its moment arm"):
+        geometry_of_text("bad.csv", _text(gear=1.67, notes=told))
+    with pytest.raises(InputError, match=r"changes by -0\.6 times its moment arm.*signs"):
+        geometry_of_text("bad.csv", _text(gear=-0.6, notes=told))
+
+
+def test_an_arm_in_another_unit_and_a_length_of_another_zero_are_one_line() -> None:
+    with pytest.raises(InputError, match=r"arm of tri is 5 mm; give it in the unit") as cm:
+        geometry_of_text("bad.csv", _text(arm=5.0))
+    with pytest.raises(InputError, match=r"moment arm of tri is 5e\+04 mm"):
+        geometry_of_text("bad.csv", _text(arm=5e4))
+    notes = "# slack_tri_mm = 395\n# slack_tib_mm = 216"
+    geometry_of_text("good.csv", _text(notes=notes))
+    with pytest.raises(InputError, match=r"less its slack length, tri is -4\d\d\.?\d* to") as zero:
+        geometry_of_text("bad.csv", _text(zero=5.0, notes=notes))
+    for refused in (cm, zero):
+        assert "\n" not in str(refused.value)
+
+
+def test_a_model_of_opensim_with_one_gastrocnemius_is_read(tmp_path) -> None:
+    angle = np.linspace(-30.0, 30.0, 13)
+    rad, head = np.radians(angle), "{}\nversion=1\ninDegrees={}\nendheader\ntime\t{}\n"
+    names = "gas_r\tsol_r\ttib_ant_r"
+    slopes = np.array([0.04, 0.05, -0.035])
+
+    def write(called, degrees, columns, rows):
+        body = "\n".join("\t".join(map(str, (0.1 * i, *row))) for i, row in enumerate(rows))
+        (tmp_path / called).write_text(head.format(called, degrees, columns) + body + "\n")
+
+    write("leg_MuscleAnalysis_Length.sto", "no", names, 0.3 + rad[:, None] * slopes)
+    arms = np.tile(-slopes, (len(angle), 1))
+    write("leg_MuscleAnalysis_MomentArm_ankle_angle_r.sto", "no", names, arms)
+    write("leg_Kinematics_q.sto", "yes", "ankle_angle_r", angle[:, None])
+    table = read_geometry(tmp_path / "leg_MuscleAnalysis_Length.sto")
+    np.testing.assert_allclose(table.arm[0], (51.8 * 0.05 + 30.8 * 0.04) / 82.6)

@@ -18,6 +18,7 @@ from surae.model.knowledge_words import lines_of
 from surae.model.source_table import SOURCES, advice
 from surae.model.statements import StatedArm, StatedAxis, StatedZero
 from surae.model.tare import tared, without
+from surae.report.provenance import whose_geometry
 from surae.settings import FitSettings
 from surae.signals import ModelInputs, inputs_as_given
 from surae.signals.selective import crosstalk, one_at_a_time
@@ -125,10 +126,10 @@ def said(tmp_path: Path, text: str) -> Path:
         ("[knowledge]\nangle_zero_deg = {value = 90.0, sd = 1.0}", "at most 30"),
         ("[knowledge]\naxis_mm = {value = 'near', sd = 1.0}", "axis_mm"),
         ("[knowledge]\ngeometry_sd_percent = 3", "no effect without geometry"),
-        ("[knowledge]\nheight_cm = 1.82", "at least 130"),
+        ("[knowledge]\nheight_cm = 1.82", "at least 80"),
         ("[knowledge]\nfoot_mm = 250\ngeometry = 'g.csv'", "not both"),
         ("[knowledge]\narm_tri_mm = 45", "arm_tri_mm"),
-        ("[knowledge]\narm_tri_mm = {value = 4.5, sd = 0.2}", "at least 25"),
+        ("[knowledge]\narm_tri_mm = {value = 4.5, sd = 0.2}", "at least 12"),
         ("[knowledge]\nfoot_mm = 250\ngeometry_of = 'person'", "no effect without geometry"),
         ("[knowledge]\ngeometry = 'g.csv'\ngeometry_of = 'persn'", "did you mean 'person'"),
         ("[trials]\n'a.csv' = 'pasive'", "did you mean 'passive'"),
@@ -194,6 +195,30 @@ def test_arms_and_paths_go_with_the_foot_and_the_foot_with_the_height() -> None:
     with pytest.raises(InputError, match="not both"):
         Knowledge(geometry="g.csv", height_cm=190.0)
     assert FitSettings.of(knowledge={"height_cm": 190.0}).knowledge == tall
+
+
+def test_a_childs_arms_go_with_its_height_or_its_age_and_its_foot_with_its_mass() -> None:
+    small = Knowledge(height_cm=80.0).nuisances()
+    assert np.exp(small["arm_scale_tri"][0]) == pytest.approx(80.0 / 175.0)
+    for age, height in ((2.0, 87.0), (6.0, 115.5), (11.0, 144.0)):
+        by_age = Knowledge(age_years=age).nuisances()["arm_scale_tib"]
+        assert np.exp(by_age[0]) == pytest.approx(height / 175.0)
+        assert by_age[1] == pytest.approx(np.hypot(0.08, 0.05))
+        both = Knowledge(age_years=age, height_cm=100.0).nuisances()["arm_scale_tib"]
+        assert both == (pytest.approx(np.log(100.0 / 175.0)), 0.08)
+    assert Knowledge(age_years=40.0).size == 0.0
+    assert Knowledge(mass_kg=20.0).mass == (pytest.approx(1.29), 0.3)
+    assert ("moment arms", "0.66 times the assumed, ± 9.4 %", "age") in Knowledge(
+        age_years=6.0
+    ).lines()
+    with pytest.raises(InputError, match="at least 80"):
+        Knowledge(height_cm=79.0)
+
+
+def test_without_a_size_arms_and_priors_are_said_to_be_an_adults() -> None:
+    assert "child" in whose_geometry(FitSettings())
+    assert "child" in whose_geometry(FitSettings(knowledge=Knowledge(mass_kg=20.0)))
+    assert whose_geometry(FitSettings(knowledge=Knowledge(age_years=6.0))) == ""
 
 
 def test_an_arm_by_excursion_is_that_of_the_model_at_neutral(tmp_path) -> None:

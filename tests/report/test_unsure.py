@@ -111,7 +111,7 @@ def test_the_sentence_is_not_said(auto, monkeypatch, why):
 def test_filming_is_advised_with_what_it_would_narrow(auto, monkeypatch, why):
     result, assessment, budget, name = unsure(auto, "zero")
     at = result.problem.free.index(name)
-    narrowed = result.solution.covariance.copy()
+    narrowed = assessment.uncertainty.covariance(*result.problem.free)
     narrowed[at, at] *= 0.9**2 if why == "little gain" else 0.25**2
     if why == "inadequate":
         assessment = graded(assessment, Grade.INADEQUATE)

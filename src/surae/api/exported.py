@@ -29,6 +29,10 @@ class ExportedModel:
     largest: float  #: The largest of our torques there [Nm].
     missing: tuple[str, ...]  #: Parameters of the fit that the file leaves out.
     missing_rms: float  #: Root mean square of the torque that these make over the recordings [Nm].
+    #: By how much force-length curves are wider than the standard one, muscle by muscle; empty
+    #: where the format has no such scale.
+    widths: str = ""
+    warnings: tuple[str, ...] = ()  #: What of the muscles is no longer anatomy.
 
     def __repr__(self) -> str:
         return f"{FORMATS[self.to][0]} model. {self.agreement}"
@@ -48,7 +52,12 @@ class ExportedModel:
                 f" The file leaves out {', '.join(self.missing)}: over the recordings these make "
                 f"{self.missing_rms:.3g} Nm rms more."
             )
-        return text
+        if self.widths:
+            text += (
+                " Optimal fibre lengths are the fit's; widths of the force-length curves are "
+                f"scaled: {self.widths}."
+            )
+        return " ".join((text, *self.warnings))
 
     def save(self, path: PathLike) -> None:
         """Write the file; by custom an ``.osim`` or an ``.xml``."""
@@ -91,7 +100,16 @@ def export(fit: Fit | PathLike, *, to: str) -> ExportedModel:
             "export that"
         )
     joint = joint_of(leg, measured_range(result), springs=FORMATS[to][2])
-    near = ExportedModel(to, "", joint.rms, joint.largest, joint.missing, joint.missing_rms)
+    near = ExportedModel(
+        to,
+        "",
+        joint.rms,
+        joint.largest,
+        joint.missing,
+        joint.missing_rms,
+        joint.widths,
+        joint.warnings,
+    )
     said = [near.agreement, *_comments(joint, leg, to), *_values(given.assessment)]
     return replace(near, text=_WRITERS[to](joint, said))
 
@@ -105,9 +123,14 @@ def _comments(joint: JointModel, leg: Leg, to: str) -> list[str]:
         "where the leg was moved; dorsiflexion is positive.",
         "The ground is the segment above the joint, upright. The foot is a point mass with the "
         "foot plate in it: take the plate's mass off for a leg without one.",
-        "Muscles run straight across the joint, with the moment arms of the fit. Lengths are "
-        "along these lines, so that an optimal length is not the fit's where the fit's muscle does "
-        "not lengthen by its arm.",
+        "Muscles run straight across the joint, with the moment arms of the fit."
+        + (
+            " Lengths are along these lines, so that an optimal length is not the fit's where the "
+            "fit's muscle does not lengthen by its arm."
+            if FORMATS[to][2]
+            else " Their optimal fibre length is the fit's; where the fit's muscle does not "
+            "lengthen by its arm, the force-length curve is wider and the fibre faster instead."
+        ),
         "Tissue is relaxed, without the relaxation of equation (10): before it relaxes it pulls "
         f"{1.0 / leg.relaxed:.3g} times as much.",
         "Activation is a filter of first order with the mean delay of ours, which is of second "

@@ -25,22 +25,24 @@ _NO_PEAK = 1000.0
 #: Degree of the polynomial that is the logarithm of the tissue's force over length.
 _DEGREE = 3
 #: How optional parameters begin that are in the file: the leg's own paths and force-length curve,
-#: and in a comment the delay of its EMG.
-_KEPT = ("arm_", "path_", "length_", "fl_", "emd")
+#: its own tissue beside the muscles, and in a comment the delay of its EMG.
+_KEPT = ("arm_", "path_", "length_", "fl_", "joint_", "emd")
+#: Scale of a force-length curve's width above which a muscle is no human one.
+WIDEST = 2.0
 #: Weights of the EMG of each group, and its channels.
 GAINS = {"tri": ("g2", "g3", "g4"), "tib": ("g1",)}
 _CHANNELS = {"tri": slice(1, 4), "tib": slice(0, 1)}
 
 
 @dataclass(frozen=True, slots=True)
-class JointTissue:
+class MuscleTissue:
     """Relaxed tissue along a path: exp(c0 + c1·s + c2·s² + c3·s³) N at a stretch of s m."""
 
     rest: float  #: Length of the path at which s is 0 [m].
     coefficients: tuple[float, ...]
 
     @classmethod
-    def fitted(cls, length: FloatArray, force: FloatArray) -> "JointTissue":
+    def fitted(cls, length: FloatArray, force: FloatArray) -> "MuscleTissue":
         """The tissue with a force [N] at lengths of its path [m]."""
         rest = float(np.mean(length))
         scaled = np.polynomial.Polynomial.fit(
@@ -86,7 +88,7 @@ class JointMuscle:
     group: str
     path: PolynomialPath | WrappedPath
     muscle: DeGrooteMuscle | MujocoMuscle
-    tissue: JointTissue | Springs
+    tissue: MuscleTissue | Springs
     scale: float  #: Excitation (12), (13) that is 1 there [N].
 
     @property
@@ -103,6 +105,20 @@ class JointMuscle:
 
 
 @dataclass(frozen=True, slots=True)
+class JointTissue:
+    """What holds and brakes the joint beside its muscles, against dorsiflexion."""
+
+    torque: float  #: At 0 rad [Nm].
+    stiffness: float  #: [Nm/rad]
+    damping: float  #: [Nm·s/rad]
+
+    @property
+    def pulls(self) -> bool:
+        """Whether there is any."""
+        return bool(self.torque or self.stiffness or self.damping)
+
+
+@dataclass(frozen=True, slots=True)
 class JointModel:
     """The ankle of a leg with both its muscle groups."""
 
@@ -111,12 +127,38 @@ class JointModel:
     theta_foot: float  #: Angle of the foot to the horizontal at 0 rad [rad].
     moved: tuple[float, float]  #: Range that was moved [rad].
     muscles: tuple[JointMuscle, JointMuscle]
+    tissue: JointTissue
     rms: float  #: Of the difference of both torques, held still over the range [Nm].
     largest: float  #: Largest of our torques there [Nm].
     #: Optional parameters of the fit that are not here, and the torque that they make over the
     #: recordings, as root mean square [Nm].
     missing: tuple[str, ...]
     missing_rms: float
+
+    @property
+    def widths(self) -> str:
+        """By how much force-length curves are wider than the standard one; empty where none is."""
+        wide = [m for m in self.muscles if isinstance(m.muscle, DeGrooteMuscle)]
+        return ", ".join(f"{m.name} {m.muscle.width:.3g}" for m in wide)  # type: ignore[union-attr]
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What of the muscles is no longer anatomy, a sentence each."""
+        said = []
+        for of in self.muscles:
+            muscle = of.muscle
+            if not isinstance(muscle, DeGrooteMuscle):
+                continue
+            if muscle.width > WIDEST:
+                said.append(
+                    f"{of.name}: its force-length curve is {muscle.width:.2g} times as wide as the "
+                    "standard one, because the path of the fit travels less than its arm: fit with "
+                    "geometry virtual-work or the leg’s own for a muscle of the usual width."
+                )
+            if muscle.at_limit:
+                limits = ", ".join(muscle.at_limit)
+                said.append(f"{of.name}: at the end of what is possible there: {limits}.")
+        return tuple(said)
 
 
 def joint_of(leg: Leg, moved: tuple[float, float], *, springs: bool) -> JointModel:
@@ -135,7 +177,7 @@ def joint_of(leg: Leg, moved: tuple[float, float], *, springs: bool) -> JointMod
         path = (WrappedPath if springs else PolynomialPath).through(angle, arm)
         held = _held(leg, group, degrees, path.length(angle))
         kind: type[MujocoMuscle | DeGrooteMuscle] = MujocoMuscle if springs else DeGrooteMuscle
-        tissue = (Springs if springs else JointTissue).fitted(held.length, held.tissue)
+        tissue = (Springs if springs else MuscleTissue).fitted(held.length, held.tissue)
         muscle = JointMuscle(leg.options.anatomy, group, path, kind.fitted(held), tissue, held.peak)
         muscles.append(muscle)
         active = np.vstack([still, held.active])
@@ -144,11 +186,14 @@ def joint_of(leg: Leg, moved: tuple[float, float], *, springs: bool) -> JointMod
         theirs.append(np.stack([muscle.torque(angle, still, still + s) for s in shares]))
     own = ours[0][:, None] + ours[1][None]
     apart = own - theirs[0][:, None] - theirs[1][None]
+    of = leg.values.get
     missing = tuple(
         p.name
         for p in OPTIONAL_PARAMETERS
-        if leg.values.get(p.name) and p.start == 0.0 and not p.name.startswith(_KEPT)
+        if of(p.name) and p.start == 0.0 and not p.name.startswith(_KEPT)
     )
+    if springs and of("joint_torque") and not of("joint_stiffness"):  # no spring, no rest
+        missing = (*missing, "joint_torque")
     bare = leg.with_values(dict.fromkeys(missing, 0.0))
     return JointModel(
         leg.options.anatomy,
@@ -156,6 +201,11 @@ def joint_of(leg: Leg, moved: tuple[float, float], *, springs: bool) -> JointMod
         leg.options.theta_foot,
         (float(angle[0]), float(angle[-1])),
         (muscles[0], muscles[1]),
+        JointTissue(
+            leg.joint_torque(0.0),
+            leg.values.get("joint_stiffness", 0.0),
+            leg.values.get("joint_damping", 0.0),
+        ),
         _rms(apart),
         float(np.abs(own).max()),
         missing,
@@ -189,6 +239,7 @@ def _held(leg: Leg, group: str, degrees: FloatArray, length: FloatArray) -> Held
         leg.options.vmax_factor,
         values["beta"] / (np.pi * values["f0"]),
         stretch,
+        l0,
     )
 
 

@@ -25,7 +25,14 @@ def mjcf(joint: JointModel, comments: list[str]) -> str:
     foot = SubElement(world, "body", name=anatomy.limb)
     # dorsiflexion turns x into z; the foot lies by θ_foot below the horizontal
     axis = {"name": f"{anatomy.name}_angle", "type": "hinge", "axis": "0 -1 0"}
-    SubElement(foot, "joint", axis, limited="false", range=row(*joint.moved))
+    held = {}
+    beside = joint.tissue
+    if beside.stiffness:
+        rest = -beside.torque / beside.stiffness
+        held = {"stiffness": row(beside.stiffness), "springref": row(rest)}
+    if beside.damping:
+        held["damping"] = row(beside.damping)
+    SubElement(foot, "joint", axis, limited="false", range=row(*joint.moved), **held)
     turned = joint.theta_foot
     distance = anatomy.distance
     at = distance * math.cos(turned), 0.0, -distance * math.sin(turned)

@@ -2,11 +2,12 @@
 
 There a muscle runs along its path: its moment arm is the derivative of the length, which of the
 printed geometry it is not. Lengths are therefore those along the path, longer than ours by the
-ratio of arm to slope.
+ratio of arm to slope. What a fibre's length is in anatomy is held where a format has a width of the
+force-length curve beside it, which is then scaled instead.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
@@ -38,6 +39,12 @@ M = TypeVar("M", "DeGrooteMuscle", "MujocoMuscle")
 #: Ends of what is fitted of a muscle: optimum [optimal lengths from where it is assumed], widths.
 _SHIFT = 3.0
 _WIDE = 4.0
+_WIDTH = 10.0
+#: Widths that the search begins at, in those of a path that is the arm's.
+_WIDTHS = (1.0, 2.0)
+#: What is fitted of a muscle, and how near to an end of its range one is said to lie there.
+_NUMBERS = ("optimum", "peak force", "width", "tendon strain")
+_AT_LIMIT = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,9 +166,13 @@ class HeldMuscle:
     speed: float  #: Largest speed of shortening [optimal lengths/s].
     lag: float  #: Time by which the active state is later than the excitation [s].
     stretch: float  #: Of the tendon at `peak`, along the path [m]; 0 of a rigid one.
+    fibre: float  #: Optimal length as it is fitted [m].
 
     def nearest(
-        self, of: "Callable[[FloatArray], M]", start: Sequence[float], *bounds: Sequence[float]
+        self,
+        of: "Callable[[FloatArray], M]",
+        starts: Sequence[Sequence[float]],
+        *bounds: Sequence[float],
     ) -> "M":
         """The muscle of numbers between bounds whose active force is nearest to this one's."""
         still = np.zeros_like(self.length)
@@ -172,7 +183,18 @@ class HeldMuscle:
             forces = [muscle.force(self.length, still, share + still) for share in shares]
             return np.concatenate(forces - self.active) / self.peak
 
-        return of(least_squares(missing, start, bounds=bounds).x)
+        ends = [least_squares(missing, start, bounds=bounds) for start in starts]
+        found = min(ends, key=lambda end: float(end.cost)).x
+        muscle = of(found)
+        if not isinstance(muscle, DeGrooteMuscle):
+            return muscle
+        used = muscle.strain > 0.0
+        at_limit = tuple(
+            name
+            for name, at, low, high in zip(_NUMBERS, found, *bounds, strict=True)
+            if min(at - low, high - at) < _AT_LIMIT * (high - low) and (used or name != _NUMBERS[3])
+        )
+        return replace(muscle, at_limit=at_limit)
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,25 +214,27 @@ class DeGrooteMuscle:
     strain: float  #: Of the tendon at `peak`; 0 where it is rigid.
     speed: float  #: Largest speed of shortening [optimal lengths/s].
     lag: float  #: Time constant of activation and deactivation [s].
+    width: float = 1.0  #: By how much its force-length curve is wider than the standard one.
+    at_limit: tuple[str, ...] = ()  #: What of it lies at an end of what is looked through.
 
     @classmethod
     def fitted(cls, held: HeldMuscle) -> "DeGrooteMuscle":
-        """The muscle whose active force, held still, is nearest."""
+        """The muscle of this fibre whose active force, held still, is nearest."""
+        along = held.optimal / held.fibre  # what the fibre travels there for what it does here
         # both curves of speed fall alike at rest
-        speed = held.speed * _FV_SLOPE / (1.0 + 1.0 / MVSH)
+        speed = float(held.speed * along * _FV_SLOPE / (1.0 + 1.0 / MVSH))
 
         def of(at: FloatArray) -> DeGrooteMuscle:
-            # its curve has no width of its own: that is the optimal length's
-            optimal = float(at[2] * held.optimal)
             peak = float(at[1] * held.peak)
-            slack = float(held.optimum + at[0] * held.optimal) - optimal
+            slack = float(held.optimum + at[0] * held.optimal) - held.fibre
             strain = float(at[3] * held.stretch / slack)
-            return cls(peak, optimal, slack, strain, float(speed / at[2]), held.lag)
+            return cls(peak, held.fibre, slack, strain, speed, held.lag, float(at[2]))
 
         # muscle and tendon fill the path
-        return held.nearest(
-            of, (0.0, 1.0, 1.0, 1.0), [-1.0, 0.5, 0.1, 0.1], [_SHIFT, 2.0, 2.0, 10.0]
-        )
+        low = [-1.0, 0.5, 1.0, 0.1]
+        high = [_SHIFT, 2.0, max(_WIDTH, 2.0 * along), 10.0]
+        widths = (min(max(by * along, 1.0), high[2]) for by in _WIDTHS)
+        return held.nearest(of, [(0.0, 1.0, width, 1.0) for width in widths], low, high)
 
     def force(self, length: FloatArray, speed: FloatArray, activation: FloatArray) -> FloatArray:
         """Force [N] where the path is so long [m] and lengthens so fast [m/s].
@@ -234,7 +258,8 @@ class DeGrooteMuscle:
         return self.peak * 0.5 * (low + high)
 
     def _held(self, fibre: FloatArray) -> FloatArray:
-        """Force-length curve."""
+        """Force-length curve, scaled about its optimum."""
+        fibre = 1.0 + (fibre - 1.0) / self.width
         bells = (
             b1 * np.exp(-0.5 * ((fibre - b2) / (b3 + b4 * fibre)) ** 2) for b1, b2, b3, b4 in _FL
         )
@@ -270,7 +295,7 @@ class MujocoMuscle:
             return cls(peak, held.optimal, slack, low, high, speed, held.lag)
 
         start = 0.5 * held.stretch / held.optimal, 1.0, 0.6, 0.6
-        return held.nearest(of, start, [-_SHIFT, 0.5, 0.1, 0.1], [_SHIFT, 2.0, _WIDE, _WIDE])
+        return held.nearest(of, [start], [-_SHIFT, 0.5, 0.1, 0.1], [_SHIFT, 2.0, _WIDE, _WIDE])
 
     def force(self, length: FloatArray, speed: FloatArray, activation: FloatArray) -> FloatArray:
         """Force [N] where the path is so long [m] and lengthens so fast [m/s]."""

@@ -3,7 +3,7 @@
 import math
 from xml.etree.ElementTree import Element, SubElement
 
-from surae.exchange.joint import JointModel, JointMuscle, JointTissue
+from surae.exchange.joint import JointModel, JointMuscle, MuscleTissue
 from surae.exchange.muscles import DeGrooteMuscle, PolynomialPath
 from surae.exchange.text import row, text_of
 
@@ -37,6 +37,12 @@ def osim(joint: JointModel, comments: list[str]) -> str:
     for muscle in joint.muscles:
         _muscle(forces, muscle)
         _tissue(forces, muscle)
+    if joint.tissue.pulls:
+        of = joint.tissue
+        beside = SubElement(forces, "ExpressionBasedCoordinateForce", name="joint_tissue")
+        _set(beside, "coordinate", f"{anatomy.name}_angle")
+        terms = f"{of.torque:.12g}+({of.stiffness:.12g})*q+({of.damping:.12g})*qdot"
+        _set(beside, "expression", f"-({terms})")
     return text_of(document, comments)
 
 
@@ -58,6 +64,7 @@ def _muscle(forces: Element, of: JointMuscle) -> None:
         "deactivation_time_constant": muscle.lag,
         "default_activation": _LEAST,
         "fiber_damping": 0.0,
+        "active_force_width_scale": muscle.width,
         "ignore_passive_fiber_force": "true",  # the tissue is a force of its own
         "tendon_strain_at_one_norm_force": 0.049 if rigid else muscle.strain,
     }
@@ -67,7 +74,7 @@ def _muscle(forces: Element, of: JointMuscle) -> None:
 
 def _tissue(forces: Element, of: JointMuscle) -> None:
     tissue = of.tissue
-    assert isinstance(tissue, JointTissue)
+    assert isinstance(tissue, MuscleTissue)
     element = SubElement(forces, "ExpressionBasedPathForce", name=f"{of.name}_tissue")
     _path(element, of)
     terms = [f"({c:.12g})*s^{power}" for power, c in enumerate(tissue.coefficients) if power]

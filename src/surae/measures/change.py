@@ -48,7 +48,7 @@ _TENDON = ("dlt_tib", "tendon_stiffness_tib", "tendon_secant_tib", "tendon_strai
 _OF_TENDON = 2.0
 #: What most comparisons are made for, and the part of the level that these share; stiffness and
 #: torque are those at the end of the range that both sessions moved through.
-FIXED = (*LEADING, "k_tri")
+FIXED = (*LEADING, "passive_exponent_tri")
 _SHARE = 0.8
 #: By how much two ranges may differ in which one stiffness is compared [deg].
 _RANGES = 1.0

@@ -19,7 +19,7 @@ from surae.inference.judging.parameter import percent
 from surae.inference.judging.reasons import OF_STIFFNESS, Scope, scopes_of
 from surae.inference.judging.verdict import ANGLE, PART, verdict_of
 from surae.inference.uncertainty.combined import Uncertainty
-from surae.measures.leg import Leg, NotDefinedError, leg_of, measured_range
+from surae.measures.leg import Leg, NotDefinedError, leg_of, measured_range, of_any_path
 from surae.measures.measure import Measure, Measures
 from surae.measures.table import DEFINITIONS, Definition
 from surae.model import ModelOptions, get_model, with_optional
@@ -28,9 +28,9 @@ from surae.model.laboratory import OUTSIDE, group_of
 #: Default angles of measures, and those that are possible [deg].
 ANGLES = (-10.0, 0.0, 10.0)
 _MOST = 60.0
-#: Possible legs that are drawn, their seed, and how far their interval may differ from the linear
-#: one, as a part of its half-width, before it takes its place.
-_DRAWS = 256
+#: Possible legs that are drawn, their seed, and how far a measure at the ends of its interval may
+#: be from the linear ones, as a part of the half-width, before draws take its place.
+_DRAWS = 1024
 _SEED = 7
 _BENT = 0.25
 #: Part of the possible legs that may lack a measure that has an interval.
@@ -146,11 +146,9 @@ def judged_measures(
     fit: AssessedFit, wanted: tuple[MeasurePoint, ...]
 ) -> tuple[tuple[Evaluated, Measure], ...]:
     """All these measures of a fit, each with its derivatives."""
-    drawn = _drawn(fit.result, fit.assessment.uncertainty, wanted)
-    return tuple(
-        (each, _measure(each, drawn.get(each.point.name), fit))
-        for each in evaluate(fit.result, fit.assessment.uncertainty, wanted)
-    )
+    evaluated = evaluate(fit.result, fit.assessment.uncertainty, wanted)
+    drawn = _drawn(fit.result, fit.assessment.uncertainty, evaluated)
+    return tuple((each, _measure(each, drawn.get(each.point.name), fit)) for each in evaluated)
 
 
 def evaluate(
@@ -161,10 +159,16 @@ def evaluate(
     values, missing = (list(of) for of in zip(*(point.value(leg) for point in wanted), strict=True))
     gradients = np.zeros((len(wanted), len(known.names)))
     reach = np.maximum(np.abs(known.values), 0.01 * (known.upper - known.lower))
+    reach = np.where(np.isfinite(reach), reach, 1.0)
     steps = np.where(np.isnan(known.origin), _STEP * reach, _STEP)
+    with_geometry = of_any_path(leg) if known.geometry else leg
     for j, name in enumerate(known.names):
         step = float(steps[j])
-        sides = [leg.with_values({name: known.moved(j, by)}) for by in (-step, step)]
+        moving = with_geometry if known.geometry and name in known.geometry.by else leg
+        follows = name not in result.problem.free  # as a length at 0 rad follows its path
+        if follows and not any(by[:, j].any() for by in known.rows.values()):
+            continue
+        sides = [moving.with_values(known.moved_leg(name, by)) for by in (-step, step)]
         for i, point in enumerate(wanted):
             group = group_of(name)
             of = point.definition
@@ -186,23 +190,96 @@ def evaluate(
 
 
 def _drawn(
-    result: FitResult, known: Uncertainty, wanted: Sequence[MeasurePoint]
+    result: FitResult, known: Uncertainty, evaluated: Sequence[Evaluated]
 ) -> dict[str, FloatArray]:
-    """Every measure that is not made of recordings, of possible legs; NaN where it has none.
+    """Measures of possible legs, of those measures that bend; NaN where a leg has none.
 
     Legs are as they were fitted, and read at the angle that their zero says: turned with it too,
-    what the zero makes unsure would cancel.
+    what the zero makes unsure would cancel. Whether one bends is told along the line on which it
+    changes most, from end to end of its interval, and so by no chance. Draws tell what leaves the
+    line; along it they are brought to their own distribution, which is normal.
     """
-    inner = [point for point in wanted if not point.definition.of_recordings]
     if known.lost == known.names:
         return {}
-    likeliest = leg_of(result)
-    legs = replace(known, turned=FrozenDict()).draw(_DRAWS, _SEED)
-    rows = np.empty((len(legs), len(inner)))
-    for i, drawn in enumerate(legs):
+    likeliest = of_any_path(leg_of(result)) if known.geometry else leg_of(result)
+    known = replace(known, turned=FrozenDict())
+    lines = {}
+    for each in evaluated:
+        if each.point.definition.of_recordings or each.value is None or each.missing:
+            continue
+        line = _Line.of(each, known, likeliest)
+        if line is not None and line.bends:
+            lines[each.point] = line
+    if not lines:
+        return {}
+    away = known.away(_DRAWS, _SEED)
+    rows = np.empty((len(away), len(lines)))
+    for i, drawn in enumerate(known.legs_at(away)):
         leg = likeliest.with_values(dict(zip(known.names, drawn.tolist(), strict=True)))
-        rows[i] = [point.value(leg)[0] for point in inner]
-    return {point.name: rows[:, k] for k, point in enumerate(inner)}
+        rows[i] = [point.value(leg)[0] for point in lines]
+    return {
+        point.name: values + line.by_chance(away - known.mean_away)
+        for (point, line), values in zip(lines.items(), rows.T, strict=True)
+    }
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Line:
+    """A measure on the line through the likeliest leg along which it changes most."""
+
+    value: float  #: Of the likeliest leg.
+    slopes: FloatArray  #: Its gradient on the parameters' scale, shape (p,).
+    half: float  #: Half of its interval, were it straight.
+    at: FloatArray  #: Places on the line, in standard deviations from the middle, shape (k,).
+    values: FloatArray  #: The measure there, shape (k,).
+
+    @classmethod
+    def of(cls, evaluated: Evaluated, known: Uncertainty, leg: Leg) -> "_Line | None":
+        """The line; None where nothing makes the measure unsure."""
+        slopes = evaluated.gradient * known.scale
+        rows = np.concatenate(list(known.rows.values())) / known.scale
+        along = rows.T @ (rows @ slopes)
+        sd = math.sqrt(max(float(slopes @ along), 0.0))
+        if not sd > 0.0:
+            return None
+        bias = known.bias(evaluated.gradient) / NORMAL
+        direction = along / sd * (1.0 + bias / sd)
+        at = np.array([-NORMAL, -1.0, 0.0, 1.0, NORMAL])
+        legs = known.legs_at(known.mean_away + at[:, None] * direction)
+        values = [
+            evaluated.point.value(
+                leg.with_values(dict(zip(known.names, each.tolist(), strict=True)))
+            )[0]
+            for each in legs
+        ]
+        assert evaluated.value is not None
+        return cls(evaluated.value, slopes / sd, NORMAL * sd + bias * NORMAL, at, np.array(values))
+
+    @property
+    def bends(self) -> bool:
+        """Whether it ends elsewhere than a straight one about the value, or is not everywhere."""
+        ends = self.values[[0, -1]] - self.value
+        off = np.abs(ends - np.array([-self.half, self.half])).max()
+        return not off <= _BENT * self.half
+
+    def by_chance(self, away: FloatArray) -> FloatArray:
+        """What brings draws, so far from the middle, to their distribution on the line, (n,)."""
+        from scipy.special import ndtri
+
+        where = away @ self.slopes
+        count = len(where)
+        scores = np.empty(count)
+        scores[np.argsort(where, kind="stable")] = ndtri((np.arange(count) + 0.5) / count)
+        if not np.isfinite(self.values).all():
+            return np.zeros(count)
+        return np.asarray(self._on(scores) - self._on(where))
+
+    def _on(self, where: FloatArray) -> FloatArray:
+        """The measure at places on the line, straight beyond its ends."""
+        inner = np.interp(where, self.at, self.values)
+        low, high = np.diff(self.values)[[0, -1]] / np.diff(self.at)[[0, -1]]
+        below = np.minimum(where - self.at[0], 0.0) * low
+        return np.asarray(inner + below + np.maximum(where - self.at[-1], 0.0) * high)
 
 
 def _measure(evaluated: Evaluated, drawn: FloatArray | None, fit: AssessedFit) -> Measure:
@@ -211,7 +288,7 @@ def _measure(evaluated: Evaluated, drawn: FloatArray | None, fit: AssessedFit) -
     name = evaluated.point.name
     unit = definition.unit
     value = evaluated.value
-    if unit == "Nm/mV" and fit.result.problem.inputs[0].emg_unit == "1":
+    if unit in ("Nm/mV", "Nm/V") and fit.result.problem.inputs[0].emg_unit == "1":
         unit = "Nm"
     meaning = fit.result.problem.options.anatomy.worded(definition.meaning)
     why = evaluated.missing or ""
@@ -233,12 +310,11 @@ def _measure(evaluated: Evaluated, drawn: FloatArray | None, fit: AssessedFit) -
     if drawn is not None:
         if np.isnan(drawn).mean() > _LACKING:
             return replace(bare, note=Message("measure/lacking"))
-        ends = np.nanpercentile(drawn, [2.5, 97.5])
-        if float(np.abs(ends - np.array(ci95)).max()) > _BENT * half:
-            low = min(float(ends[0]), value)
-            high = max(float(ends[1]), value)
-            ci95 = (low, high)
-            method = "draws"
+        low, high = np.nanpercentile(drawn, [2.5, 97.5]).tolist()
+        ci95 = (min(low, value), max(high, value))
+        method = "draws"
+    elif not definition.of_recordings:
+        pass
     elif half >= abs(value) and unit != "%":  # so far off no slope tells how the measure bends
         return replace(bare, note=Message("note/as-wide"))
     elif value >= 0.0:  # what the recordings make is positive by nature
@@ -316,7 +392,8 @@ def extrapolated(evaluated: Evaluated, result: FitResult) -> Message | None:
     """What of a measure was not measured; None where all was."""
     definition = evaluated.point.definition
     at = evaluated.point.at
-    if definition.at == "deg" or definition.is_angle or definition.span:
+    shown = definition.is_angle and not definition.name.startswith("working_point")
+    if definition.at == "deg" or shown or definition.span:
         degrees = evaluated.value if definition.is_angle else at
         low, high = measured_range(result)
         if definition.span and definition.is_angle:  # how far before the range's end

@@ -25,6 +25,7 @@ from surae.model.equilibrium import FREE, solve
 from surae.model.geometry import JointAxis, paths
 from surae.model.movement import OWN_PATH
 from surae.model.parameters import JOINT_RESTS, OPTIONAL
+from surae.model.symmetry import with_paths
 from surae.model.tendon import TendonCurve, tendon_curve
 from surae.signals import ModelInputs
 
@@ -421,3 +422,10 @@ def leg_of(result: FitResult) -> Leg:
     moved = measured_range(result, _MOVED)
     gained = result.solution.gained
     return Leg(problem.spec, problem.options, result.values, problem.inputs, moved, gained)
+
+
+def of_any_path(leg: Leg) -> Leg:
+    """The leg in a model whose arms and paths may be others, now as they are."""
+    spec = with_paths(leg.spec)
+    values = {**dict.fromkeys(spec.names, 0.0), **leg.values}
+    return replace(leg, spec=spec, values=values, _ties=[], _holds={}, _muscles={}, _angles={})

@@ -6,9 +6,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from surae.base.docstrings import docstring
-from surae.measures import active, passive
+from surae.measures import active, invariant, passive
 from surae.measures.evoked import evoked_share
 from surae.measures.leg import GROUPS, Leg
+from surae.recording import MUSCLE_NAMES
 
 #: Names of the groups, and what stands in the docstring of a measure that each of them has.
 _WORDS = {
@@ -16,6 +17,7 @@ _WORDS = {
         "muscles": "calf muscles",
         "short": "calf muscles",
         "have": "have",
+        "work": "work",
         "add": "add",
         "begin": "begin",
         "their": "their",
@@ -32,6 +34,7 @@ _WORDS = {
         "muscles": "tibialis anterior",
         "short": "tibialis",
         "have": "has",
+        "work": "works",
         "add": "adds",
         "begin": "begins",
         "their": "its",
@@ -44,6 +47,7 @@ _WORDS = {
         "in_all": "",
         "weights": "g1",
     },
+    **{name: {"muscle": muscle} for name, muscle in MUSCLE_NAMES.items()},
     "tissue": {"part": "tissue"},
     "neural": {"part": "active contraction"},
     "inertial": {"part": "inertia"},
@@ -160,6 +164,25 @@ def _part(name: str, compute: Callable[[Leg, float, str], float], of: str) -> De
     return _D(name, "%", compute, of=of, of_recordings=True, alone=_MOVEMENT)
 
 
+#: What torque tells of the muscles whatever arms and paths are; first among what a fit tells.
+INVARIANT: tuple[Definition, ...] = (
+    *_pair("passive_exponent", "1/rad", invariant.passive_exponent),
+    *_pair("active_width", "deg", invariant.active_width),
+    *_pair("optimal_angle", "deg", active.optimal_angle, is_angle=True),
+    *_pair(
+        "tendon_rotational_stiffness",
+        "Nm/deg",
+        invariant.tendon_rotational_stiffness,
+        "Nm",
+        ((25.0,), (4.0,)),
+    ),
+    *(
+        _D(f"torque_gain_{muscle}", "Nm/V", invariant.torque_gain, of=muscle, alone=ELECTRODES)
+        for muscle in MUSCLE_NAMES
+    ),
+    *_pair("maximal_torque", "Nm", invariant.maximal_torque, of_recordings=True, alone=_EFFORT),
+    *_pair("working_point", "deg", invariant.working_point, is_angle=True),
+)
 DEFINITIONS: tuple[Definition, ...] = (
     _moved("end_stiffness", "Nm/deg", passive.end_stiffness, passive.last_degrees),
     _moved("end_torque", "Nm", passive.end_torque, passive.at_end),
@@ -170,6 +193,7 @@ DEFINITIONS: tuple[Definition, ...] = (
     *_moved_each(
         "optimum_before_end", "deg", active.optimum_before_end, Leg.range_to, is_angle=True
     ),
+    *INVARIANT,
     _D("passive_torque", "Nm", passive.passive_torque, "deg"),
     *_pair("passive_torque", "Nm", passive.passive_torque_of, "deg"),
     _D("passive_stiffness", "Nm/deg", passive.passive_stiffness, "deg"),
@@ -191,7 +215,6 @@ DEFINITIONS: tuple[Definition, ...] = (
         alone=_EFFORT,
     ),
     *_pair("torque_per_emg", "Nm/mV", active.torque_per_emg, alone=ELECTRODES),
-    *_pair("optimal_angle", "deg", active.optimal_angle, is_angle=True),
     _D("active_stiffness", "Nm/deg", active.active_stiffness, "Nm", (20.0,)),
     _D("damping", "Nm·s/deg", active.damping, "Nm", (20.0,)),
     _D("activation_half_time", "ms", active.activation_half_time),

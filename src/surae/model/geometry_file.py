@@ -27,6 +27,9 @@ _OPENSIM = {
     "gl": r"gas_?lat|lat_?gas|gaslat|gastroc_?l\w*|gl",
     "ta": r"tib_?ant|tibialis_?anterior|ta",
 }
+#: The two that a model of one gastrocnemius has in one, and what it is called there.
+_HEADS = ("gm", "gl")
+_WHOLE = r"(?:gas|gastroc|gastrocnemius)"
 _COLUMN = re.compile(r"(length|arm)_(tri|tib|ta|gl|gm|sol)_(mm|cm|m)")
 _NOTE = re.compile(
     r"#?\s*(?:(tolerance|slack_tri|slack_tib)_(mm|cm|m)|(second_angle)_(deg|rad))"
@@ -38,6 +41,13 @@ _ANALYSIS = re.compile(r"(.*)_MuscleAnalysis_(?:Length|MomentArm_\w+)\.sto", re.
 #: A knee that turns by less is still [rad]; digits to which angles of a grid are the same.
 _STILL = 1e-3
 _DIGITS = 6
+
+#: Moment arms that muscles of a limb have [m]; parts of its arm by which a muscle's length changes,
+#: which pennation and tendons leave; lengths of muscle and tendon beyond the tendon's own [m].
+_ARMS = (0.006, 0.15)
+_GEARS = (0.2, 1.3)
+_LEAST = 0.0
+_MOST = 0.5
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
@@ -133,12 +143,22 @@ def _table(
             )
         if arm is not None:
             arm = arm * sign * np.sign(arm.sum())  # an arm that turns round is kept so
+            _check_arm(arm, group, where)
+            if length is not None:
+                _check_slope(angle, length, arm, group, where)
         elif length is not None:
             arm = _spline(angle, length, where).derivative()(angle)
         if length is None:
             integral = _spline(angle, arm, where).antiderivative()
             length = integral(angle) - integral(0.0)
-        lengths.append(tuple((length - notes.get(f"slack_{group}", 0.0)).ravel().tolist()))
+        length = length - notes.get(f"slack_{group}", 0.0)
+        if f"slack_{group}" in notes and not _LEAST < length.min() <= length.max() < _MOST:
+            raise InputError(
+                f"{where}: less its slack length, {group} is {1e3 * length.min():.4g} to "
+                f"{1e3 * length.max():.4g} mm long; give lengths of muscle and tendon, from origin "
+                "to insertion"
+            )
+        lengths.append(tuple(length.ravel().tolist()))
         assert arm is not None
         arms.append(tuple(arm.ravel().tolist()))
     slack = {f"slack_{group}" for group in _GROUPS} <= notes.keys()
@@ -153,6 +173,30 @@ def _table(
         tuple(seconds.tolist()),
     )
     return table.at_second(notes["second_angle"]) if "second_angle" in notes else table
+
+
+def _check_arm(arm: FloatArray, group: str, where: str) -> None:
+    """Refuse an arm that no muscle of a limb has: it is in another unit than its column says."""
+    size = float(np.median(np.abs(arm)))
+    if not _ARMS[0] <= size <= _ARMS[1]:
+        raise InputError(
+            f"{where}: the moment arm of {group} is {1e3 * size:.3g} mm; give it in the unit that "
+            "its column names"
+        )
+
+
+def _check_slope(
+    angle: FloatArray, length: FloatArray, arm: FloatArray, group: str, where: str
+) -> None:
+    """Refuse lengths that change by another part of the arm than pennation and tendons leave."""
+    slope = np.gradient(length, angle, axis=0)
+    ratio = float(np.sum(slope * arm) / np.sum(arm * arm))
+    if not _GEARS[0] <= ratio <= _GEARS[1]:
+        raise InputError(
+            f"{where}: the length of {group} changes by {ratio:.3g} times its moment arm, and a "
+            f"muscle's by {_GEARS[0]:g} to {_GEARS[1]:g}; check units and signs of length, arm and "
+            "angle"
+        )
 
 
 def _grid(
@@ -230,6 +274,9 @@ def _of_opensim(path: Path) -> GeometryTable:
         for muscle, pattern in _OPENSIM.items():
             called = re.compile(rf"(?:{pattern}){side}", re.IGNORECASE)
             match_of = [n for n in found.names if called.fullmatch(n)]
+            if not match_of and muscle in _HEADS:  # models of one gastrocnemius
+                whole = re.compile(rf"{_WHOLE}{side}", re.IGNORECASE)
+                match_of = [n for n in found.names if whole.fullmatch(n)]
             if len(match_of) != 1:
                 which = f"{len(match_of)} columns are" if match_of else "no column is"
                 raise InputError(

@@ -175,7 +175,9 @@ class GeometryTable:
                     raise InputError(
                         f"{self.name}: arm_{name} is {1e3 * apart[worst]:.3g} mm off the slope of "
                         f"length_{name} at {math.degrees(angle[worst]):.3g}°, more than "
-                        f"{1e3 * self.tolerance:.3g} mm; correct it, or state '# tolerance_mm = …'"
+                        f"{1e3 * self.tolerance:.3g} mm (lengths change by "
+                        f"{float(np.sum(slopes * arms) / np.sum(arms**2)):.2g} times the arm); "
+                        "correct it, or state '# tolerance_mm = …'"
                     )
 
     def check_covers(self, inputs: "ModelInputs") -> None:

@@ -8,6 +8,7 @@ as laboratories and methods differ; two statements that agree earn the spread of
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
+from itertools import pairwise
 
 from surae.base.errors import InputError
 from surae.base.file_form import filed
@@ -30,6 +31,27 @@ SCALED_SD = 8.0
 TRAVEL_SD = 30.0
 _HEIGHT = 175.0
 _FOOT = 0.152
+#: Median body height of children [cm] by age [years], of both sexes (WHO Child Growth Standards
+#: 2006, WHO Reference 2007), how far one is from it [%], and the age from which one is grown up.
+_GROWTH = (
+    (2.0, 87.0),
+    (3.0, 95.5),
+    (4.0, 103.0),
+    (5.0, 109.5),
+    (6.0, 115.5),
+    (8.0, 127.0),
+    (10.0, 138.0),
+    (12.0, 150.0),
+    (14.0, 161.5),
+    (16.0, 167.5),
+    (18.0, 170.0),
+)
+_STATURE_SD = 5.0
+_GROWN = 18.0
+#: Mass of a foot over the body's (Winter 2009), of a foot plate [kg], and how far off both are.
+_FOOT_MASS = 0.0145
+_PLATE_MASS = 1.0
+MASS_SPREAD = 0.30
 #: What a tare leaves at least, and the part of both that a foot strapped in may move.
 _LEAST = (5e-4, 0.1)
 _PART = 0.03
@@ -70,6 +92,8 @@ class Plate:
         "geometry_arms_mm",
         "height_cm",
         "foot_mm",
+        "age_years",
+        "mass_kg",
         "arm_tri_mm",
         "arm_tib_mm",
         "crosstalk",
@@ -107,16 +131,30 @@ class Knowledge(Request):
     height_cm: float | None = setting(
         None,
         "Body height [cm]: the assumed moment arms and paths grow with it.",
-        least=130.0,
+        least=80.0,
         most=230.0,
         label=N_("Body height [cm]"),
     )
     foot_mm: float | None = setting(
         None,
         "Length of the foot [mm], which goes before the height.",
-        least=200.0,
+        least=110.0,
         most=350.0,
         label=N_("Foot length [mm]"),
+    )
+    age_years: float | None = setting(
+        None,
+        "Age of a child [years], which tells its height where that is not given.",
+        least=2.0,
+        most=120.0,
+        label=N_("Age [years]"),
+    )
+    mass_kg: float | None = setting(
+        None,
+        "Mass of the body [kg], which tells that of the foot.",
+        least=8.0,
+        most=300.0,
+        label=N_("Body mass [kg]"),
     )
     arm_tri_mm: StatedArm | None = setting(
         None,
@@ -159,7 +197,31 @@ class Knowledge(Request):
     @property
     def size(self) -> float:
         """The foot's length over that of the assumed leg; 0 where it is not known."""
-        return (self.foot_mm or 10.0 * _FOOT * (self.height_cm or 0.0)) / (10.0 * _FOOT * _HEIGHT)
+        height = self.height_cm or self._height_of_age
+        return (self.foot_mm or 10.0 * _FOOT * height) / (10.0 * _FOOT * _HEIGHT)
+
+    @property
+    def _height_of_age(self) -> float:
+        """Median height of a child [cm]; 0 of who is grown up, or of no stated age."""
+        if self.age_years is None or self.age_years >= _GROWN:
+            return 0.0
+        (low, least), (high, most) = next(
+            ends for ends in pairwise(_GROWTH) if self.age_years <= ends[1][0]
+        )
+        return least + (most - least) * (self.age_years - low) / (high - low)
+
+    @property
+    def size_sd(self) -> float:
+        """How well size tells an arm [%]: by its age a child's less well."""
+        own = self.geometry_sd_percent or SCALED_SD
+        return own if self.foot_mm or self.height_cm else math.hypot(own, _STATURE_SD)
+
+    @property
+    def mass(self) -> tuple[float, float] | None:
+        """Prior of the mass of foot and plate: median [kg], and spread of its logarithm."""
+        if self.mass_kg is None:
+            return None
+        return _FOOT_MASS * self.mass_kg + _PLATE_MASS, MASS_SPREAD
 
     @property
     def statements(self) -> dict[str, Pooled]:

@@ -2,7 +2,7 @@
 
 import math
 
-from surae.model.knowledge import SCALED_SD, TRAVEL_SD, Knowledge
+from surae.model.knowledge import TRAVEL_SD, Knowledge
 
 #: How well a leg's own lengths are known where its arms are told twice [m]; assumed.
 _LENGTH = 0.0025
@@ -40,7 +40,7 @@ def priors_of(known: Knowledge) -> dict[str, tuple[float, float]]:
         priors |= {n: (0.0, sd) for n, sd in zip(OPTIONAL["plate"], sizes, strict=True)}
     priors |= {name: (stated.value, stated.sd) for name, stated in known.crosstalk.items()}
     if known.size:
-        sds = {"arm_scale": known.geometry_sd_percent or SCALED_SD, "path_scale": TRAVEL_SD}
+        sds = {"arm_scale": known.size_sd, "path_scale": TRAVEL_SD}
         scales = [n for n in OPTIONAL["arm"] if n.startswith(tuple(sds))]
         priors |= {name: (math.log(known.size), sds[name[:-4]] / 100.0) for name in scales}
     if "arms" in made:

@@ -3,7 +3,7 @@
 import math
 
 from surae.base.names import GEOMETRY_OF
-from surae.model.knowledge import SCALED_SD, Knowledge, Plate
+from surae.model.knowledge import MASS_SPREAD, Knowledge, Plate
 
 
 def lines_of(known: Knowledge) -> tuple[tuple[str, str, str], ...]:
@@ -15,9 +15,12 @@ def lines_of(known: Knowledge) -> tuple[tuple[str, str, str], ...]:
         whose = "this person’s" if known.geometry_of == GEOMETRY_OF[1] else "a generic one"
         rows.append(("lengths and moment arms", whose, known.geometry))
     if known.size:
-        sd = known.geometry_sd_percent or SCALED_SD
-        how = f"{known.size:.3g} times the assumed, ± {sd:g} %"
-        rows.append(("moment arms", how, "height and foot"))
+        how = f"{known.size:.3g} times the assumed, ± {known.size_sd:.2g} %"
+        by = "height and foot" if known.foot_mm or known.height_cm else "age"
+        rows.append(("moment arms", how, by))
+    if known.mass is not None:
+        text = f"{known.mass[0]:.2g} kg, ± {100 * MASS_SPREAD:.0f} %"
+        rows.append(("mass of foot and plate", text, "body mass"))
     if known.crosstalk:
         largest = max(known.crosstalk.values(), key=lambda stated: stated.value)
         sds = sorted(stated.sd for stated in known.crosstalk.values())

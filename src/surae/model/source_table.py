@@ -5,6 +5,8 @@ them along with the leg. Their priors are what a careful laboratory knows that d
 not what some recording showed; all can be changed (`nuisances` of `surae.fit`).
 """
 
+import math
+
 from surae.base.frozen import FrozenDict
 from surae.base.words import N_
 from surae.model.knowledge import Knowledge
@@ -12,6 +14,19 @@ from surae.model.parameters import ADDED, OPTIONAL
 from surae.model.source import Fill, Gaussian, Nuisance, UncertaintySource
 from surae.recording import FILMED
 
+#: How far a leg's arm is from the assumed one, on a logarithm: adults' differ by 9.5 % (Wolfram et
+#: al. 2018).
+ARM_SIZE = 0.095
+#: By how much a muscle lengthens of what its arm makes of a turn, dx/dθ over the arm, on a
+#: logarithm: 0.30 to 1.09. Fibres of the relaxed triceps change by 15 to 28 mm over 45° (Maganaris
+#: et al. 1998, J. Physiol. 512:603-614), 0.40 to 0.74 of an arm of 48 mm; of the relaxed
+#: gastrocnemius's lengthening 48 ± 12 % is the fascicles' (Hoang et al. 2007, J. Exp. Biol.
+#: 210:4159-4168), by place in the muscle and joint that turns otherwise (Herbert et al. 2014, J.
+#: Physiol. 593:441-455; Hodson-Tole et al. 2016, Front. Physiol. 7:95); without pennation and on a
+#: stiff tendon it is 1. The spread is assumed, the same of both groups.
+GEAR = Gaussian(math.log(0.57), 0.33)
+#: How far that of the person's own lengths is from a table's: what pennation leaves.
+GEAR_OF_TABLE = 0.10
 _AGAIN = N_("measure the moment arms in a second way too, as by the tendon’s excursion")
 _SOURCES = (
     UncertaintySource(
@@ -365,6 +380,22 @@ _SOURCES = (
                 | {f"path_bend_{g}": Gaussian(0.0, 0.002) for g in ("tri", "tib")}
             ),
         ),
+    ),
+    UncertaintySource(
+        "arm_size",
+        "size of the arms",
+        "how much larger the leg’s moment arms are than the assumed ones",
+        N_("state the leg’s own moment arms, from images or the tendon’s excursion"),
+        Fill("series-2", "|"),
+        again=(0.0, 0.0),
+    ),
+    UncertaintySource(
+        "path_size",
+        "muscles’ paths",
+        "how much farther the muscles travel than is assumed",
+        N_("film the muscle, or state the leg’s own geometry"),
+        Fill("series-2", "."),
+        again=(0.0, 0.0),
     ),
     UncertaintySource(
         "lengths",

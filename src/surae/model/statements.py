@@ -67,7 +67,7 @@ class StatedZero(StatedNumber):
 class StatedArm(StatedNumber):
     """A moment arm with the foot perpendicular to the shank, by the tendon's excursion."""
 
-    value: float = _number("Excursion over the angle turned [mm/rad].", least=25.0, most=70.0)
+    value: float = _number("Excursion over the angle turned [mm/rad].", least=12.0, most=70.0)
 
 
 @filed(strict=True, sparse=("again",))

@@ -17,6 +17,7 @@ from surae.base.units import FloatArray
 from surae.base.words import Message
 from surae.inference.judging.parameter import judge_interval, judge_singular
 from surae.inference.judging.verdict import IDENTIFIED, Verdict
+from surae.inference.uncertainty.arms_and_paths import assumed_sd
 from surae.inference.uncertainty.covariance import Covariance, half_width
 from surae.model import adapted
 from surae.model.joint import ANKLE
@@ -210,6 +211,9 @@ def expected(
     order = np.argsort(relative.max(axis=1), kind="stable")
     central = covariances[int(order[len(relative) // 2])]
     wide = half_width(1.0, 1e9)
+    # of a fit they are in what stays of its intervals
+    middle = dict(zip(legs.spec.names, np.median(legs.values, axis=0).tolist(), strict=True))
+    beyond = {} if legs.of_fit else assumed_sd(middle, legs.spec, legs.options, legs.priors)
     parameters = {}
     for j, name in enumerate(own):
         p = table[name]
@@ -217,12 +221,13 @@ def expected(
         sem = None
         half = None
         errors = relative[:, j]
-        share = float(np.mean(wide * errors <= IDENTIFIED))
+        told = np.hypot(errors, beyond.get(name, 0.0))
+        share = float(np.mean(wide * told <= IDENTIFIED))
         verdict: Verdict
         if np.isfinite(errors).all() and central is not None:
             sem = float(np.sqrt(np.mean(errors**2)))
-            half = wide * sem
-            verdict, note = judge_interval(name, value, half * abs(value), central, p.unit)
+            half = wide * float(np.sqrt(np.mean(told**2)))
+            verdict, note = judge_interval(name, value, half * abs(value), central)
         else:
             verdict = Verdict.UNDETERMINED
             worst = covariances[int(np.argmax(~np.isfinite(errors)))]

@@ -19,6 +19,7 @@ from surae.inference.uncertainty.combined import Uncertainty
 from surae.inference.uncertainty.covariance import Covariance, covariance
 from surae.model import ModelSpec, with_optional
 from surae.model.laboratory import laboratory
+from surae.model.symmetry import GROUPS, PATH
 from surae.planning.legs import Legs
 from surae.protocol import Trajectory
 from surae.recording.recording import FILMED
@@ -179,13 +180,33 @@ def covariance_if_filmed(result: FitResult, known: Uncertainty, muscle: str) -> 
     free = (*problem.free, *names)
     values = spec.vector({**result.values, **dict.fromkeys(names, 0.0)}, problem.options)
     p = len(problem.free)
+    here = known.at_assumed
+    group = group_of_film(f"fascicle_{muscle}")
+    path = f"{PATH}_{GROUPS[group]}"
+    scales = [] if known.geometry is None else [path] * (path in known.geometry.by)
     priors = laboratory()
-    V = np.diag([0.0] * p + [priors[name].sd ** 2 for name in names])
-    V[:p, :p] = known.covariance(*problem.free)
+    V = np.diag([0.0] * p + [priors[name].sd ** 2 for name in names] + [0.0] * len(scales))
+    V[:p, :p] = here.covariance(*problem.free)
+    if scales:
+        V[-1, -1] = known.covariance(path)[0, 0]
     for whole in problem.inputs:
         recording = thinned(whole, max(int(whole.rate_hz / _SIMULATED + 1e-9), 1))
         simulator = spec.simulator(recording, problem.options)
         (J,) = rows_of_films((muscle,), simulator, spec, free, values, recording.time)
+        if scales:  # all of a muscle's length goes with its path, as with the film's scale
+            J = np.concatenate([J, J[[free.index(names[0])]]])
         gain = V @ J
         V = V - gain @ np.linalg.solve(J.T @ gain + np.eye(J.shape[1]), gain.T)
-    return np.asarray(V[:p, :p])
+    filmed = V[:p, :p].copy()
+    if known.geometry is not None:
+        along = {
+            scale: np.array([of.get(name, 0.0) for name in problem.free])
+            for scale, of in known.geometry.by.items()
+        }
+        others = [scale for scale in along if scale not in scales]
+        moved = np.array([along[scale] for scale in others])
+        filmed += moved.T @ known.covariance(*others) @ moved if others else 0.0
+        for scale in scales:
+            with_path = np.outer(V[:p, -1], along[scale])
+            filmed += with_path + with_path.T + V[-1, -1] * np.outer(along[scale], along[scale])
+    return np.asarray(filmed)

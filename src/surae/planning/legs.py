@@ -125,7 +125,7 @@ def fit_legs(fit: AssessedFit, count: int, *, seed: int = 0) -> Legs:
     centre = problem.spec.vector(result.values, problem.options)
     columns = [problem.spec.names.index(name) for name in problem.free]
     rows = np.tile(centre, (count, 1))
-    drawn = _possible(assessment.uncertainty, priors).draw(count - 1, seed)
+    drawn = _possible(assessment.uncertainty.at_assumed, priors).draw(count - 1, seed)
     rows[1:, columns] = drawn[:, : len(columns)]
     # what the fit's recordings reach, or a typical one if at rest
     typical = EMG_FULL if problem.inputs[0].emg_unit == "V" else 1.0

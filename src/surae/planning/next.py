@@ -84,7 +84,7 @@ def known_from(fit: AssessedFit, legs: Legs) -> FloatArray:
     own = legs.each_trial
     alone = own | {n for n in free if n not in fit.result.problem.free}  # another film
     known = np.diag([legs.priors[n].sd ** -2.0 if n in alone else 0.0 for n in free])
-    told = fit.assessment.uncertainty
+    told = fit.assessment.uncertainty.at_assumed  # no trial tells arms and paths
     shares = {*free} - {*own, *told.lost}
     names = [n for n in told.names if n in shares and told.budget(told.along(n)).sd > 0.0]
     if names:
@@ -119,15 +119,7 @@ def measure_next_of(
         )
     if assessment.adequacy.grade is Grade.INADEQUATE:
         return _nothing("inadequate", reason=assessment.adequacy.reasons[0])
-    weak = (
-        tuple(wanted)
-        if wanted
-        else tuple(
-            n
-            for n in legs.leg_parameters
-            if assessment.parameters[n].verdict is not Verdict.IDENTIFIED
-        )
-    )
+    weak = tuple(wanted or (n for n in legs.leg_parameters if not _is_known(assessment, n)))
     if not weak:
         return _nothing("identified")
     known = known_from(fit, legs)
@@ -194,6 +186,16 @@ def fit_precision(fit: AssessedFit, legs: Legs) -> dict[str, Any]:
     known = known_from(fit, legs)
     now, stays = _remaining(fit.assessment, legs, known)
     return {"known": known, "now": now, "stays": stays}
+
+
+def _is_known(assessment: Assessment, name: str) -> bool:
+    """Whether all is known of a parameter that a trial could tell: no arm, no path."""
+    p = assessment.parameters[name]
+    known = assessment.uncertainty
+    if p.verdict is Verdict.IDENTIFIED or not (known.goes_with_geometry(name) and p.repeatable):
+        return p.verdict is Verdict.IDENTIFIED
+    own = known.at_assumed
+    return own.half_width(own.along(name)) <= IDENTIFIED * abs(p.value)
 
 
 def _remaining(

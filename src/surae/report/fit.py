@@ -22,6 +22,7 @@ from surae.report.figures.research import (
 )
 from surae.report.figures.tendon import film_figure, tendon_figure
 from surae.report.figures.torque import predictions_figure, torque_figure
+from surae.report.invariants import invariants_section
 from surae.report.laboratory import (
     family_section,
     known_section,
@@ -72,6 +73,7 @@ def fit_report(
     )
     found = {checked.recording: checked for checked in fit.quality}
     details = (
+        invariants_section(fit),
         parameters_section(fit, next_anchor=NEXT if budget.helps else ""),
         *([findings_section(found)] if found else []),
         *([holds_section(traces)] if are_holds(traces) else []),

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from surae.base.formatting import percentage, short, significant
+from surae.base.names import GEOMETRY_OF
 from surae.base.setting import default_of, settings_of
 from surae.base.units import FloatArray
 from surae.inference import AssessedFit, FitResult, Prior
@@ -12,6 +13,7 @@ from surae.model.knowledge import Knowledge
 from surae.model.knowledge_words import summary_of
 from surae.quality.numeric import runs
 from surae.report import block
+from surae.settings import FitSettings
 from surae.signals import ModelInputs
 
 #: Share of samples that count less than half from which they are no stray artefacts; Gaussian noise
@@ -130,6 +132,8 @@ def fit_settings(result: FitResult) -> list[tuple[str, str]]:
         name = _STAGES.get(stage.name, stage.name)
         capped = f"; {stage.capped} of its descents ended at a cap" if stage.capped else ""
         facts.append((f"Search {name}", f"{stage.evaluations} evaluations{capped}"))
+    if says := whose_geometry(problem.settings):
+        facts.append(("Moment arms and priors", problem.options.anatomy.worded(says)))
     for request in (problem.settings, problem.settings.estimator, problem.options):
         for each, record in settings_of(type(request)):
             value = getattr(request, each.name)
@@ -137,6 +141,17 @@ def fit_settings(result: FitResult) -> list[tuple[str, str]]:
                 label = problem.options.anatomy.worded(record.label or each.name.capitalize())
                 facts.append((label, _written(value)))
     return facts
+
+
+def whose_geometry(settings: FitSettings) -> str:
+    """Whose arms and priors are assumed, where nothing of the person's size is stated."""
+    known = settings.knowledge
+    if settings.geometry_of == GEOMETRY_OF[1] or (known is not None and known.size):
+        return ""
+    return (
+        "an adult’s of 175 cm: of a child or a small person state height, foot or age in "
+        "session.toml"
+    )
 
 
 #: Settings that have a place of their own in the report.

@@ -4,14 +4,22 @@ import textwrap
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
-from surae.base.formatting import estimate, in_a_line, percentage, short, significant
+from surae.base.formatting import (
+    estimate,
+    in_a_line,
+    percentage,
+    short,
+    significant,
+)
 from surae.base.tables import TextTable
+from surae.base.words import Message
 from surae.inference import AssessedFit, Assessment
 from surae.inference.judging.assessment import outdated
 from surae.inference.judging.parameter import ParameterEstimate
 from surae.measures.compute import judged_measures, points
 from surae.measures.table import LEADING
 from surae.report.budget import what_would_help
+from surae.report.invariants import invariants
 from surae.report.laboratory import family_text
 from surae.report.parameters import repeatable, shown_parameters
 from surae.report.provenance import emphasis_text
@@ -19,6 +27,14 @@ from surae.report.recordings import film_lines
 from surae.report.wording import adequacy_words
 
 _HEADS = ("parameter", "value", "95 % interval", "unit", "repeats", "verdict", "meaning")
+#: Measures that a screen leaves to the table of all.
+_DETAILS = ("torque_gain", "working_point")
+#: What intervals rest on that are wide for nothing the torque tells, by their note's code.
+_RESTS = {
+    "note/geometry": "Mostly by arms and paths, which no torque tells (film the muscle, or state a "
+    "geometry)",
+    "note/arm": "Mostly by the moment arm (state the leg’s own)",
+}
 #: How steps begin that are shown: what the user asked for, not what every fit does.
 _REQUESTS = ("Weights: ", "EMG normalised: ")
 
@@ -40,6 +56,7 @@ def fit_table(fit: AssessedFit, width: int = 100) -> TextTable:
             f"{words.mark} {words.sentence}",
             *(f"  – {reason}" for reason in words.reasons),
             *_leading(fit),
+            *_invariant_lines(fit),
             *filter(None, [outdated(assessment)]),
         ),
         below=tuple(_folded(filter(None, groups), width)),
@@ -65,6 +82,21 @@ def estimates_table(estimates: Iterable[ParameterEstimate]) -> TextTable:
     return TextTable(_HEADS, tuple(rows), numbers=("value", "95 % interval"))
 
 
+def _invariant_lines(fit: AssessedFit) -> Iterator[str]:
+    """What torque tells whatever arms and paths are, but for details: of one kind, a line."""
+    of_kind: dict[str, list[str]] = {}
+    for m in invariants(fit):
+        if m.name.startswith(_DETAILS):
+            continue
+        assert m.value is not None
+        name, _, at = m.name.partition("@")
+        kind, _, which = name.rpartition("_")
+        texts = of_kind.setdefault(kind, [])
+        called = f"{f'_{which}' if texts else name}{f'@{at}' if at else ''}"
+        texts.append(f"{in_a_line(called, m.value, m.ci95, m.unit)}: {m.verdict}")
+    yield from ("; ".join(texts) for texts in of_kind.values())
+
+
 def _leading(fit: AssessedFit) -> Iterator[str]:
     """Stiffness and torque at the end of the range that was moved, a line each."""
     wanted = tuple(each for each in points() if each.definition.name in LEADING)
@@ -86,10 +118,17 @@ def _folded(groups: Iterable[list[str]], width: int) -> Iterator[str]:
 def _notes(assessment: Assessment) -> list[str]:
     """Why parameters are not identified and what to do, one line for each reason."""
     reasons: dict[str, list[str]] = {}
+    rests: dict[str, list[str]] = {}
     for p in assessment.parameters.values():
         if p.verdict in ("weak", "undetermined", "at-bound"):
-            reasons.setdefault(p.note, []).append(p.name)
+            why = _RESTS.get(p.note.code) if isinstance(p.note, Message) else None
+            if why is not None and isinstance(p.note, Message):
+                low, high = (p.note.values[end] for end in ("low", "high"))
+                rests.setdefault(why, []).append(f"{p.name} {low} to {high} %")
+            else:
+                reasons.setdefault(p.note, []).append(p.name)
     lines = [f"{', '.join(names)}: {note}" for note, names in reasons.items()]
+    lines += [f"{why}: {', '.join(spans)}" for why, spans in rests.items()]
     return ["Not identified:", *lines] if lines else []
 
 

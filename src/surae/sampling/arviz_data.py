@@ -79,7 +79,8 @@ def of_fit(fit: AssessedFit, draws: int, seed: int, *, log_likelihood: bool) -> 
     if not free:
         raise InputError("no parameter of this fit has an interval, so there is nothing to draw")
     units = {name: every[name].unit for name in free}
-    legs = known.draw(draws, seed)
+    away = known.away(draws, seed)
+    legs = known.legs_at(away)
     groups = {"posterior": drawn(legs[:, [known.names.index(name) for name in free]], units)}
     priors = dict(problem.priors)
     for n, p in ({} if result.posterior is None else result.posterior.population).items():
@@ -98,7 +99,8 @@ def of_fit(fit: AssessedFit, draws: int, seed: int, *, log_likelihood: bool) -> 
     torque = np.concatenate([measured(own)[own.counts] for own in problem.inputs])
     groups["observed_data"] = xarray.Dataset({"torque": ("sample", torque, {"units": "Nm"})}, along)
     if log_likelihood:
-        each = np.array([_log_likelihood(fit, leg) for leg in legs])
+        # arms and paths leave the torque as it is: it is computed at those of the fit
+        each = np.array([_log_likelihood(fit, leg) for leg in known.at(away)])
         chains = groups["posterior"].sizes["chain"]
         by = ("chain", "draw", "sample")
         groups["log_likelihood"] = xarray.Dataset(

@@ -20,6 +20,7 @@ from surae.base.frozen import Comparable, read_only
 from surae.base.records import Listed
 from surae.inference import FitResult, LeastSquares
 from surae.inference.identifiability.identified import unexplained
+from surae.inference.uncertainty.arms_and_paths import arms_and_paths
 from surae.inference.uncertainty.combined import information_root
 from surae.inference.uncertainty.covariance import half_width
 from surae.model import adapted
@@ -82,6 +83,9 @@ class ParameterProfile(Comparable):
     message: str  #: What a reader has to know.
     lower: Mapping[str, float] | None  #: Free parameters of the lower minimum.
     evaluations: int  #: Of the model and its Jacobian.
+    #: The interval with what arms and paths may be, which no torque tells: the profile is at those
+    #: of the fit. None where they have no part in it, or in files of before.
+    with_geometry: tuple[float | None, float | None] | None = None
 
     @property
     def from_covariance(self) -> tuple[float, float] | None:
@@ -140,6 +144,7 @@ def profile(
         message=search.message(why_low, why_high),
         lower=lower,
         evaluations=search.minima.evaluations,
+        with_geometry=_with_geometry(result, name, (low, high)),
     )
 
 
@@ -170,6 +175,16 @@ def check_profiled(result: FitResult, name: str, variance_inflation: float = 1.0
         raise InputError("the fit failed without a finite torque: there is nothing to profile")
     if result.sse == 0:
         raise InputError("the fit leaves no residual: without noise there is no interval")
+
+
+def _with_geometry(
+    result: FitResult, name: str, ends: tuple[float | None, float | None]
+) -> tuple[float | None, float | None] | None:
+    """The interval with what arms and paths may be; None where they have no part in it."""
+    known = arms_and_paths(result)
+    if known is None or not known.moves(name):
+        return None
+    return known.about(name, ends)
 
 
 def profiled(result: FitResult) -> tuple[str, ...]:

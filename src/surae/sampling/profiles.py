@@ -59,20 +59,29 @@ class Profiles(Tabular, Saved):
         every = self.profiles.values()
         notes = [f"{p.name}: {p.message}" for p in every if p.message != "both ends found"]
         done = f"{len(every)} profiles in {self.seconds:.1f} s"
-        heads = ("parameter", "value", "95 % profile", "95 % covariance", "status", "unit")
+        heads = (
+            "parameter",
+            "value",
+            "95 % profile",
+            "95 % covariance",
+            "with arms and paths",
+            "status",
+            "unit",
+        )
         rows = [
             (
                 p.name,
                 significant(p.value, 4),
                 open_ends(p.interval),
                 open_ends(p.from_covariance),
+                open_ends(p.with_geometry),
                 p.status,
                 p.unit,
             )
             for p in every
         ]
         below = (*notes, *filter(None, [self.noise]), done)
-        return TextTable(heads, tuple(rows), below=below, numbers=heads[1:4])
+        return TextTable(heads, tuple(rows), below=below, numbers=heads[1:5])
 
 
 def profiles(

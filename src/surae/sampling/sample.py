@@ -24,6 +24,7 @@ from surae.base.units import FloatArray
 from surae.base.versions import versions
 from surae.inference import FitResult, LeastSquares
 from surae.inference.judging.assessment import described
+from surae.inference.uncertainty.arms_and_paths import ArmsAndPaths, arms_and_paths
 from surae.inference.uncertainty.covariance import Covariance, covariance, half_width
 from surae.model import adapted
 from surae.model.prior import Prior
@@ -244,6 +245,11 @@ def sample(
     )
     points = weighted.resampled(draws, np.random.default_rng([seed, 1]))
     values = read_only(target.parameters(points))
+    geometry = arms_and_paths(result)
+    moved = values
+    if geometry is not None:
+        columns = geometry.legs(dict(zip(problem.free, values.T, strict=True)), seed)
+        moved = read_only(np.stack(list(columns.values()), axis=1))
     reliable, message = _verdict(weighted)
     white = covariance(result.R, problem.free, result.sse, problem.n, result.bounded)
     matrix = variance_inflation * white.matrix
@@ -252,8 +258,10 @@ def sample(
     return Posterior(
         model=problem.spec.name,
         names=problem.free,
-        draws=values,
-        marginals=_marginals(result, values if reliable else None, target.priors, wide),
+        draws=moved,
+        marginals=_marginals(
+            result, (values, moved) if reliable else None, target.priors, wide, geometry
+        ),
         covariance=wide,
         status="reliable" if reliable else "not reliable",
         message=message,
@@ -289,10 +297,12 @@ def _verdict(weighted: Weighted) -> tuple[bool, str]:
 
 def _marginals(
     result: FitResult,
-    values: FloatArray | None,
+    values: tuple[FloatArray, FloatArray] | None,
     known: Mapping[str, Prior],
     estimated: Covariance,
+    geometry: ArmsAndPaths | None,
 ) -> dict[str, Marginal]:
+    """What is known of each, of draws at the fit's arms and paths, and of such as may be."""
     problem = result.problem
     table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
     sems = dict(zip(estimated.names, np.sqrt(np.diag(estimated.matrix)).tolist(), strict=True))
@@ -304,9 +314,12 @@ def _marginals(
         if name in sems:
             half = half_width(sems[name], estimated.dof)
             around = value - half, value + half
+            if geometry is not None:
+                low, high = geometry.about(name, around)
+                around = (low or 0.0, high or 0.0)
         if values is not None:
-            drawn = values[:, j]
-            low, median, high = np.quantile(drawn, [0.025, 0.5, 0.975]).tolist()
+            drawn = values[0][:, j]
+            low, median, high = np.quantile(values[1][:, j], [0.025, 0.5, 0.975]).tolist()
             ci95 = low, high
             part = float(np.std(np.log(drawn) if prior.log else drawn) / prior.spread)
         marginals[name] = Marginal(

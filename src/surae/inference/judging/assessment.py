@@ -1,5 +1,6 @@
 """From a fit to what it is worth: goodness, intervals, correlations and verdicts."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -28,6 +29,7 @@ from surae.inference.judging.marginal import marginal
 from surae.inference.judging.parameter import (
     Interval,
     ParameterEstimate,
+    by_geometry,
     judge_interval,
     judge_singular,
     percent,
@@ -43,6 +45,7 @@ from surae.inference.uncertainty.combined import (
 from surae.inference.uncertainty.covariance import Covariance, covariance, ipde
 from surae.inference.uncertainty.robust import RobustCovariance, robust_covariance
 from surae.model import adapted
+from surae.model.symmetry import tied_to_geometry
 from surae.quality.finding import Quality
 
 
@@ -230,18 +233,18 @@ def _parameters(
     against: Contradiction | None,
 ) -> dict[str, ParameterEstimate]:
     problem = result.problem
-    withheld = adequacy.grade is Grade.INADEQUATE
     table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
     ends = zip(problem.lower.tolist(), problem.upper.tolist(), strict=True)
     bounds = dict(zip(problem.free, ends, strict=True))
     variances = dict(zip(estimated.names, np.diag(estimated.matrix).tolist(), strict=True))
     parameters = {}
+    tied = tied_to_geometry(problem.spec)
     for name, p in table.items():
         value = result.values[name]
         lower, upper = bounds.get(name, (p.lower, p.upper))
         sem = sem_robust = ci95 = again = None
         repeatable = False
-        budget = {}
+        budget: dict[str, float] = {}
         if name not in problem.free:
             verdict = Verdict.FIXED
             note = Message("note/fixed")
@@ -256,34 +259,12 @@ def _parameters(
             if robust is not None:
                 j = robust.names.index(name)
                 sem_robust = float(np.sqrt(robust.matrix[j, j]))
-            whole, half = (known.half_width(known.along(name), biased=b) for b in (True, False))
-            again = _possible(value, half, lower)
-            budget = {"noise": 1.0}
-            repeatable = half <= IDENTIFIED * abs(value) and not withheld
-            if whole > half:
-                noise = (half / whole) ** 2  # of a variance that a bias shares, whatever their size
-                budget = {"noise": noise, "model": 1.0 - noise}
-                half = whole
-            ci95 = _possible(value, half, lower)
-            prior = problem.priors.get(name)
-            narrowed = half / (NORMAL * prior.median * prior.spread) if prior else 0.0
-            verdict, note = judge_interval(
-                name,
-                value,
-                half,
-                estimated,
-                p.unit,
-                withheld=withheld,
-                room=upper - lower,
-                narrowed=narrowed,
-            )
-            if against is not None and repeatable and verdict is not Verdict.IDENTIFIED:
-                note = Message(
-                    "note/contradicted",
-                    problem.options.anatomy.worded,
-                    percent=percent(half / abs(value)),
-                    missing=", ".join(against.missing),
-                )
+            told = _by_covariance(name, result, estimated, known, (lower, upper), adequacy, against)
+            ci95, again, repeatable, budget, verdict, note = told
+            if name in tied:
+                ci95 = None
+                verdict = Verdict.UNDETERMINED
+                note = Message("note/tied", problem.options.anatomy.worded)
         elif not np.isfinite(estimated.sigma2):
             verdict = Verdict.UNDETERMINED
             note = Message("note/not-finite")
@@ -311,6 +292,72 @@ def _parameters(
             budget,
         )
     return parameters
+
+
+def _by_covariance(
+    name: str,
+    result: FitResult,
+    estimated: Covariance,
+    known: Uncertainty,
+    bounds: tuple[float, float],
+    adequacy: Adequacy,
+    against: Contradiction | None,
+) -> tuple[tuple[float, float], tuple[float, float], bool, dict[str, float], Verdict, Message]:
+    """Interval, that of a repeat, whether it repeats, budget, verdict and note of a parameter."""
+    problem = result.problem
+    withheld = adequacy.grade is Grade.INADEQUATE
+    value = result.values[name]
+    lower, upper = bounds
+    along = known.along(name)
+    whole, half = (known.half_width(along, biased=b) for b in (True, False))
+    repeat = known.repeat_half_width(along)
+    budget = {s: part for s, part in known.budget(along).shares.items() if part}
+    repeatable = repeat <= IDENTIFIED * abs(value) and not withheld
+    if whole > half:
+        part = (half / whole) ** 2  # of a variance that a bias shares, whatever their size
+        budget = {s: part * share for s, share in budget.items()} | {"model": 1.0 - part}
+        half = whole
+    ci95, half, alone = _with_geometry(name, known, half, lower)
+    prior = problem.priors.get(name)
+    narrowed = half / (NORMAL * prior.median * prior.spread) if prior else 0.0
+    verdict, note = judge_interval(
+        name,
+        value,
+        half,
+        estimated,
+        withheld=withheld,
+        room=upper - lower,
+        narrowed=narrowed,
+        noise=alone,
+    )
+    if against is not None and repeatable and verdict is not Verdict.IDENTIFIED:
+        note = Message(
+            "note/contradicted",
+            problem.options.anatomy.worded,
+            percent=percent(alone / abs(value)),
+            missing=", ".join(against.missing),
+        )
+    elif verdict is not Verdict.IDENTIFIED and not withheld:
+        note = by_geometry(name, known, ci95) or note
+    return ci95, _possible(value, repeat, lower), repeatable, budget, verdict, note
+
+
+def _with_geometry(
+    name: str, known: Uncertainty, half: float, lower: float
+) -> tuple[tuple[float, float], float, float]:
+    """A named model's interval, its half-width from the value, and what of that is no geometry's.
+
+    What arms and paths make of it is about their mean, on a logarithm.
+    """
+    value = float(known.values[known.names.index(name)])
+    if known.geometry is None or not known.geometry.moves(name) or not value > 0.0:
+        return _possible(value, half, lower), half, half
+    own = NORMAL * known.geometry.sd(name) * value
+    alone = math.sqrt(max(half**2 - own**2, 0.0))
+    low, high = known.geometry.about(name, _possible(value, alone, lower))
+    assert low is not None
+    assert high is not None
+    return (low, high), max(high - value, value - low, alone), alone
 
 
 def _possible(value: float, half: float, lower: float) -> tuple[float, float]:

@@ -23,6 +23,7 @@ from surae.inference.judging.parameter import (
     INADEQUATE,
     Interval,
     ParameterEstimate,
+    by_geometry,
     percent,
 )
 from surae.inference.judging.verdict import IDENTIFIED, Verdict, is_news, verdict_of
@@ -63,7 +64,9 @@ def marginal(
             continue
         ci95 = known.interval(name, NORMAL * budget.sd)
         half = (ci95[1] - ci95[0]) / 2.0
-        again = known.interval(name, NORMAL * budget.repeat)
+        if known.goes_with_geometry(name):  # about the mean of what arms and paths may be
+            half = max(ci95[1] - p.value, p.value - ci95[0])
+        again = known.interval(name, NORMAL * budget.repeat, centred=False)
         repeatable = (again[1] - again[0]) / 2.0 <= IDENTIFIED * abs(p.value) and not withheld
         narrowed, assumed = _beside_population(p, budget.sd, found.population.get(name), problem)
         verdict = verdict_of(
@@ -75,6 +78,8 @@ def marginal(
             assumed=bool(assumed),
         )
         note = withheld or _note(verdict, p, half, budget, problem, repeatable=repeatable)
+        if verdict is not Verdict.IDENTIFIED and not withheld:
+            note = by_geometry(name, known, ci95) or note
         if verdict is Verdict.WEAK and half <= IDENTIFIED * abs(p.value) and not withheld:
             note = Message("note/known", percent=percent(half / abs(p.value)))
             reason = Message(f"note/{assumed or 'no-better'}", joint.worded)

@@ -4,18 +4,25 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from surae.base.file_form import filed
 from surae.base.formatting import in_a_line
+from surae.base.normal import NORMAL, standard_error_of
 from surae.base.words import Message
 from surae.inference.judging.verdict import IDENTIFIED, Verdict, verdict_of
 from surae.inference.uncertainty.covariance import Covariance
 from surae.model.registry import PARAMETERS
 
+if TYPE_CHECKING:
+    from surae.inference.uncertainty.combined import Uncertainty
+
 #: Correlation from which the partner is named.
 _STRONG = 0.9
+#: Part of the variance by arms and paths, from which an interval is said to rest on them.
+_GEOMETRY = 0.25
 #: What is said of a parameter in place of a claim.
 INADEQUATE = Message("note/inadequate")
 
@@ -25,18 +32,19 @@ def judge_interval(
     value: float,
     half: float,
     estimated: Covariance,
-    unit: str = "-",
     *,
     withheld: bool = False,
     room: float = np.inf,
     narrowed: float = 0.0,
+    noise: float | None = None,
 ) -> tuple[Verdict, Message]:
     """Verdict and sentence of a parameter that has an interval.
 
-    `half` is the half-width of its 95 % interval; its strongest partner is looked up in
-    `estimated`. `withheld` says that the fit is inadequate, so that nothing is claimed; `room` and
-    `narrowed` are as of `verdict_of`.
+    `half` is the half-width of its 95 % interval, and `noise` what of it is noise; its strongest
+    partner is looked up in `estimated`. `withheld` says that the fit is inadequate, so that nothing
+    is claimed; `room` and `narrowed` are as of `verdict_of`.
     """
+    noise = half if noise is None else noise
     relative = half / abs(value) if value else np.inf
     verdict = verdict_of(value, half, room=room, narrowed=narrowed, doubted=withheld)
     if verdict is Verdict.IDENTIFIED:
@@ -47,9 +55,10 @@ def judge_interval(
         known = Message("note/known", percent=percent(relative))
         return verdict, Message("note/but", known=known, but=Message("note/no-better"))
     # A part of a value that may as well be 0 says nothing.
-    nothing = name in PARAMETERS and PARAMETERS[name].off_at_zero and half >= abs(value)
-    if nothing:
-        known = Message("note/zero", interval=_interval(value, half, unit))
+    p = PARAMETERS.get(name)
+    nothing = p is not None and p.off_at_zero and noise >= abs(value)
+    if p is not None and nothing:
+        known = Message("note/zero", interval=_interval(value, noise, p.unit))
     elif verdict is Verdict.WEAK:
         known = Message("note/known-only", percent=percent(relative))
     elif relative <= 1.0:
@@ -65,6 +74,24 @@ def judge_interval(
     elif not nothing:
         known = Message("note/little", known=known)
     return verdict, known
+
+
+def by_geometry(name: str, known: "Uncertainty", ci95: tuple[float, float]) -> Message | None:
+    """What an interval rests on where arms and paths make much of it; None where they do not."""
+    if known.geometry is None or not known.goes_with_geometry(name):
+        return None
+    value = float(known.values[known.names.index(name)])
+    parts = known.variances(known.along(name))
+    own = {source: parts.get(source, 0.0) for source in known.geometry.rows}
+    if not value > 0.0 or sum(own.values()) < _GEOMETRY * sum(parts.values()):
+        return None
+    alone = known.interval(name, NORMAL * math.sqrt(sum(own.values())))
+    code = "note/geometry" if own.get("arm_size", 0.0) < sum(own.values()) else "note/arm"
+    ends = (*ci95, *alone)
+    low, high, least, most = (
+        f"{100.0 * (end / value - 1.0):+.0f}".replace("-", "−") for end in ends
+    )
+    return Message(code, low=low, high=high, least=least, most=most)
 
 
 def judge_singular(name: str, directions: Sequence[Sequence[str]]) -> Message:
@@ -148,5 +175,7 @@ class ParameterEstimate:
 
     @property
     def trusted_sem(self) -> float | None:
-        """The standard error that `ci95` is made of."""
+        """The standard error that `ci95` is made of; with arms and paths what it stands for."""
+        if self.interval is not Interval.MARGINAL and self.ci95 and self.budget.get("arm_size"):
+            return standard_error_of(self.ci95)
         return self.sem_robust if self.interval is Interval.ROBUST else self.sem

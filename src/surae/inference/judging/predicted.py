@@ -67,6 +67,7 @@ def torque_doubt(result: FitResult, known: Uncertainty, recording: ModelInputs) 
     """
     problem = result.problem
     free = problem.free
+    known = known.at_assumed  # no arm or path matters to a torque
     vector = problem.spec.vector(result.values, problem.options)
     simulator = problem.spec.simulator(recording, problem.options)
     _, by = simulator.torque_jacobian(vector, problem.columns)

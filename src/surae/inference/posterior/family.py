@@ -158,7 +158,8 @@ class Family:
         # priors hold them, and not the bounds of a search
         limits |= {n: pair for n, pair in _WIDER.items() if n not in original.settings.bounds}
         for name, belief in beliefs.items():
-            if group_of(name) == "rest":  # amplifiers differ a thousandfold
+            # amplifiers differ a thousandfold, and a child's arms are half an adult's
+            if group_of(name) == "rest" or (group_of(name) == "arm" and belief.mean):
                 limits[name] = (belief.mean - _REST * belief.sd, belief.mean + _REST * belief.sd)
         free = [n for n in spec.names if n in original.free or n in beliefs]
         problem = original.of_model(
@@ -191,6 +192,9 @@ class Family:
         for name in {*TENDONS} - {*problem.options.anatomy.parameters}:
             wide[name] = (wide[name][0], wide[name][1] / WIDENED)
         wide |= {name: (weight, 1.0) for name, weight in self._weights.items()}
+        knowledge = problem.settings.knowledge
+        if knowledge is not None and knowledge.mass is not None:
+            wide["m"] = knowledge.mass
         wide |= {n: (p.median, p.spread) for n, p in problem.priors.items()}
         return {
             name: Gaussian(median, spread * median)

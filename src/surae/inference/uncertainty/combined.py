@@ -7,7 +7,7 @@ is made of parameters has a gradient by them, shape (p,), and is as unsure as th
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,6 +18,12 @@ from surae.inference.coordinates import is_straight
 from surae.inference.least_squares.contradiction import Contradiction
 from surae.inference.least_squares.residuals import stiffness_valleys
 from surae.inference.result import FitResult, PosteriorMode
+from surae.inference.uncertainty.arms_and_paths import (
+    SIZES,
+    ArmsAndPaths,
+    arms_and_paths,
+    at_assumed,
+)
 from surae.inference.uncertainty.covariance import Covariance, inverse_root
 from surae.inference.uncertainty.robust import RobustCovariance
 from surae.model.source_table import SOURCES
@@ -58,6 +64,9 @@ class Uncertainty(Comparable):
     lost: tuple[str, ...]
     #: How far each moves with the zero of the angle [1/rad], as measures do by `ZERO`.
     turned: Mapping[str, float] = FrozenDict()
+    #: How parameters go with arms and paths, whose logarithms are among the names: all rows beside
+    #: theirs are at those of the fit. None where they are taken for known.
+    geometry: ArmsAndPaths | None = None
 
     @property
     def scale(self) -> FloatArray:
@@ -67,11 +76,34 @@ class Uncertainty(Comparable):
     @property
     def is_of_noise_alone(self) -> bool:
         """Whether it is of a named model, which does not know what another trial shares."""
-        return set(self.rows) <= {"noise", "angle_zero"}
+        return set(self.rows) <= {"noise", "angle_zero", *SIZES}
+
+    @property
+    def at_assumed(self) -> "Uncertainty":
+        """The same leg with arms and paths as they are in the fit, of which torque is made."""
+        known = self.geometry
+        if known is None:
+            return self
+        of_fit = np.array([name not in known.by for name in self.names], dtype=bool)
+        of_fit |= np.array([name in known.values for name in self.names], dtype=bool)
+        sampled = np.array([name in known.by for name in self.names], dtype=bool)[of_fit]
+        rows = {source: by[:, of_fit] * ~sampled for source, by in self.rows.items()}
+        return replace(
+            self,
+            names=tuple(n for n, own in zip(self.names, of_fit, strict=True) if own),
+            **{
+                name: getattr(self, name)[of_fit]
+                for name in ("values", "lower", "upper", "origin", "shift", "dof")
+            },
+            rows=FrozenDict({source: by for source, by in rows.items() if by.any()}),
+            geometry=None,
+        )
 
     def along(self, name: str) -> FloatArray:
         """The gradient of a parameter itself."""
         own = {name: 1.0, ZERO: self.turned.get(name, 0.0)} if name != ZERO else {ZERO: 1.0}
+        if self.geometry is not None and name not in self.geometry.by:
+            own |= {scale: of[name] for scale, of in self.geometry.by.items() if name in of}
         return np.array([own.get(other, 0.0) for other in self.names])
 
     def covariance(self, *names: str) -> FloatArray:
@@ -148,23 +180,85 @@ class Uncertainty(Comparable):
         high = np.maximum(self.upper, self.values)
         return np.asarray(np.clip(moved, low, high))
 
-    def interval(self, name: str, half: float) -> tuple[float, float]:
-        """Ends of an interval within bounds, of so much to either side on the parameter's scale."""
-        away = half * self.along(name) / self.scale
-        low, high = sorted(float(self.at(by)[self.names.index(name)]) for by in (-away, away))
-        return low, high
+    def goes_with_geometry(self, name: str) -> bool:
+        """Whether a parameter is known only as well as arm and path are."""
+        return self.geometry is not None and self.geometry.moves(name)
+
+    def room(self, name: str) -> tuple[float, float]:
+        """Bounds of a parameter, those of a search by as much wider as arms and paths may be."""
+        j = self.names.index(name)
+        low, high = sorted((float(self.lower[j]), float(self.values[j])))
+        high = max(high, float(self.upper[j]))
+        reach = 1.0 if self.geometry is None else self.geometry.reach(name)
+        return (low / reach if low > 0.0 else low), (high * reach if high > 0.0 else high)
+
+    def interval(self, name: str, half: float, *, centred: bool = True) -> tuple[float, float]:
+        """Ends of an interval within bounds, of so much to either side on the parameter's scale.
+
+        It is about the mean of what arms and paths may be, or about the value.
+        """
+        j = self.names.index(name)
+        value = float(self.values[j])
+        origin = float(self.origin[j])
+        shift = 0.0
+        if self.geometry is not None and self.goes_with_geometry(name) and value > 0.0:
+            origin = 0.0
+            shift = self.geometry.shift(name) if centred else 0.0
+        low, high = self.room(name)
+        if math.isnan(origin):
+            ends = (value - half, value + half)
+        else:
+            size = value - origin
+            by = [min(max(shift + way * half / size, -50.0), 50.0) for way in (-1.0, 1.0)]
+            ends = (origin + size * math.exp(by[0]), origin + size * math.exp(by[1]))
+        return min(max(min(ends), low), high), min(max(*ends, low), high)
 
     def draw(self, count: int, seed: int) -> FloatArray:
         """Values of legs that the fit leaves possible, shape (count, p), each with its opposite."""
+        return self.legs_at(self.away(count, seed))
+
+    def away(self, count: int, seed: int) -> FloatArray:
+        """How far such legs are from the estimates on their scale, shape (count, p).
+
+        Arms and paths apart, of which the others are told at those of the fit. Opposites are about
+        `mean_away`; the order of the names changes nothing.
+        """
+        order = np.argsort(self.names)
         rows = np.concatenate([*self.rows.values(), np.zeros((1, len(self.names)))])
-        rows = rows @ self._along(*self.names).T / self.scale
+        along = replace(self, geometry=None)._along(*self.names)
+        rows = (rows @ along.T / self.scale)[:, order]
         sd = np.sqrt(np.sum(rows**2, axis=0))
         unit = np.where(sd > 0.0, sd, 1.0)
         w, vectors = np.linalg.eigh((rows / unit).T @ (rows / unit))
-        root = vectors * np.sqrt(np.maximum(w, 0.0)) * unit[:, None]
+        largest = np.argmax(np.abs(vectors), axis=0)
+        vectors = vectors * np.sign(vectors[largest, np.arange(len(w))])
+        root = np.empty_like(vectors)
+        root[order] = vectors * np.sqrt(np.maximum(w, 0.0)) * unit[:, None]
         half = np.random.default_rng(seed).standard_normal(((count + 1) // 2, len(w))) @ root.T
         half += self.shift / self.scale
-        return self.at(np.concatenate([half, -half])[:count])
+        return np.concatenate([half, -half])[:count] + self.mean_away
+
+    @property
+    def mean_away(self) -> FloatArray:
+        """How far arms and paths are from those of the fit on the average, shape (p,)."""
+        centre = self.geometry.centre if self.geometry is not None else {}
+        return np.array([centre.get(name, 0.0) for name in self.names])
+
+    def legs_at(self, away: FloatArray) -> FloatArray:
+        """Values of legs that are so far `away`, those that go with arms and paths moved along."""
+        legs = self.at(away)
+        if self.geometry is None:
+            return legs
+        columns = dict(zip(self.names, legs.T, strict=True))
+        changed = self.geometry.moved(columns)
+        return np.stack([changed.get(name, own) for name, own in columns.items()], axis=1)
+
+    def moved_leg(self, name: str, by: float) -> dict[str, float]:
+        """What changes of a leg where one of the names moves by so much on its scale."""
+        there = {name: self.moved(self.names.index(name), by)}
+        if self.geometry is None or name not in self.geometry.by:
+            return there
+        return self.geometry.moved(there)
 
 
 def combined(
@@ -186,7 +280,8 @@ def combined(
             origin[j] = longest[name]
         elif values[j] > 0.0 and not is_straight(name):
             origin[j] = 0.0
-    rows = dict(rows)
+    known = arms_and_paths(result)
+    rows = {source: at_assumed(by, names, known) for source, by in rows.items()}
     zero = result.solution.zero_wider * np.radians(problem.settings.zero_sd)
     lower = problem.lower
     upper = problem.upper
@@ -196,6 +291,7 @@ def combined(
         rows = {}
         lost = names
         zero = 0.0
+        known = None
     if zero and "angle_zero" not in names:
         names = (*names, ZERO)
         values = np.append(values, 0.0)
@@ -205,7 +301,7 @@ def combined(
         upper = np.append(upper, 1.0)
         rows = {source: np.pad(by, ((0, 0), (0, 1))) for source, by in rows.items()}
         rows["angle_zero"] = np.array([[0.0] * (len(names) - 1) + [zero]])
-    return Uncertainty(
+    made = Uncertainty(
         names,
         values,
         lower,
@@ -218,6 +314,37 @@ def combined(
         lost,
         result.solution.turned,
     )
+    return made if known is None or not rows else _with_geometry(made, known)
+
+
+def _with_geometry(made: Uncertainty, known: ArmsAndPaths) -> Uncertainty:
+    """The same with arms and paths that may be others."""
+    new = [name for name in _columns(known) if name not in made.names]
+    names = (*made.names, *new)
+    more = len(new)
+    wide = np.isin(names, tuple(known.by))
+    rows = {source: np.pad(by, ((0, 0), (0, more))) for source, by in made.rows.items()}
+    for source, each in known.rows.items():
+        own = np.array([[row.get(name, 0.0) for name in names] for row in each])
+        rows[source] = np.concatenate([rows[source], own]) if source in rows else own
+    return replace(
+        made,
+        names=names,
+        values=np.append(made.values, [known.values.get(name, 0.0) for name in new]),
+        lower=np.where(wide, -np.inf, np.append(made.lower, [-np.inf] * more)),
+        upper=np.where(wide, np.inf, np.append(made.upper, [np.inf] * more)),
+        origin=np.append(made.origin, [np.nan] * more),
+        rows=FrozenDict({source: read_only(by) for source, by in rows.items()}),
+        shift=np.append(made.shift, [0.0] * more),
+        dof=np.append(made.dof, [np.inf] * more),
+        geometry=known,
+    )
+
+
+def _columns(known: ArmsAndPaths) -> tuple[str, ...]:
+    """Logarithms of arms and paths, and the muscles' lengths at 0 rad, which paths move."""
+    groups = [group for group in ("tri", "tib") if f"path_scale_{group}" in known.by]
+    return (*known.by, *(f"length_zero_{group}" for group in groups))
 
 
 def of_least_squares(

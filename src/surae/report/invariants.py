@@ -1,0 +1,44 @@
+"""What torque tells of the muscles whatever arms and paths are: first in tables and reports."""
+
+from surae.base.formatting import of_interval
+from surae.inference import AssessedFit
+from surae.measures import Measure
+from surae.measures.compute import judged_measures, points
+from surae.measures.table import INVARIANT
+from surae.report import block
+
+_NAMES = frozenset(definition.name for definition in INVARIANT)
+_NOTE = (
+    "No torque tells a muscle’s moment arm, nor how far the muscle travels, so that stiffness "
+    "coefficients, lengths and EMG weights below are known only as well as these are. What is here "
+    "does not hang on them: the recordings alone say how well it is known."
+)
+
+
+def invariants(fit: AssessedFit) -> tuple[Measure, ...]:
+    """Those of a fit that have a value, in the order of the table."""
+    wanted = tuple(point for point in points() if point.definition.name in _NAMES)
+    return tuple(m for _, m in judged_measures(fit, wanted) if m.value is not None)
+
+
+def invariants_section(fit: AssessedFit) -> block.Section:
+    """A row for each."""
+    rows = []
+    for m in invariants(fit):
+        assert m.value is not None
+        text = of_interval(m.value, m.ci95)
+        rows.append(
+            (
+                block.Cell(m.name, kind="code", meaning=m.meaning),
+                text.value,
+                text.interval,
+                m.unit,
+                block.verdict(m.verdict, why=m.note),
+            )
+        )
+    heads = block.columns(
+        "Measure", "Value", "95 % interval", "Unit", "Verdict", numbers=(1, 2), wide=(4,)
+    )
+    table = block.Grid("What torque tells, whatever arms and paths are", heads, block.rows(rows))
+    title = "What torque tells of the muscles"
+    return block.Section(title, (block.Text(_NOTE, "note"), table), "invariants", "page")
