@@ -96,7 +96,8 @@ def leg_answers(
     if model is not None or holds or stretches:
         norms = [(n, _point(n)) for n in known if n.measure.startswith("slow_torque@")]
         # a group's torque lies beside the leg's only where its zero is known
-        healthy = [each for each in norms if "healthy" in each[0].group and model is not None]
+        stands = model is not None and disputed is None
+        healthy = [each for each in norms if "healthy" in each[0].group and stands]
         own = [(at, of_fit[norm.measure]) for norm, at in healthy if of_fit is not None]
         figures["stiffness"] = stiffness_figure(holds, stretches, model, healthy, own, _)
     if any(each.kind == "picture" for each in made):
