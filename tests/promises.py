@@ -12,4 +12,4 @@ PROMISED, IDENTIFIED = 0.93, 0.09
 
 def keeps_the_promise(true: int, claimed: int, promised: float = PROMISED) -> bool:
     """Whether so few true ones come once in twenty times at least where `promised` are true."""
-    return true >= binom.ppf(0.05, claimed, promised)
+    return bool(true >= binom.ppf(0.05, claimed, promised))

@@ -162,4 +162,6 @@ def test_noise_of_raw_emg_is_no_release_and_no_curve(tmp_path, family, seed, eve
     known = [p for p in fit.parameters.values() if p.verdict == "identified"]
     assert known
     assert all(p.ci95[0] <= truth[p.name] <= p.ci95[1] for p in known)
-    assert sum(stage.capped for stage in fit.result.solution.stages) == 0
+    solution = fit.result.solution  # of its some 18 descents 0 to 3 end at a cap: decision 17
+    assert solution.outcome == "converged"
+    assert sum(stage.capped for stage in solution.stages) <= 3
