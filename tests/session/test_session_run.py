@@ -363,6 +363,7 @@ def mapped(shared, tmp_path_factory):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("figures_made")
 def test_what_is_wrong_in_every_trial_is_the_mappings(mapped, tmp_path):
     turned, right = mapped
     assert turned.joined == ()
