@@ -12,7 +12,7 @@ OTHERS := $(sort $(wildcard [a-z]*/pyproject.toml))
 # Compiled files are kept: else every worker, and every process that a test starts, compiles anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test test-long test-all check bench messages docs release wheel lock browser clean
+.PHONY: demo test test-long test-slow test-all check bench messages docs release wheel lock browser clean
 
 demo: $(READY)          ## fit the embedded virtual subject, write demo/report.html
 	@$(BIN)/surae demo --output demo
@@ -22,6 +22,9 @@ test: $(READY) browser  ## the fast suite
 
 test-long: $(READY) browser  ## what the fast suite leaves to CI: longer tests, and the pages in a browser
 	$(BIN)/pytest $(SHARED) -m "long and not slow"
+
+test-slow: $(READY) browser  ## of the slow suite what has its turn by tests/slow.toml
+	$(BIN)/python .ci/slow $(SHARED)
 
 test-all: $(READY) browser  ## everything, recovery and statistics too
 	$(BIN)/pytest $(SHARED) -m ""

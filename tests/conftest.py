@@ -12,6 +12,8 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
+from marks import COLLECTED
+
 # What computes is imported where it is used: who only hands out tests goes without, and no library
 # has begun its threads yet. Tests share the cores among them: threads of linear algebra on cores
 # that others use wait for one another busily, and one decomposition takes a hundred times as long.
@@ -60,14 +62,18 @@ LONG = Path(__file__).with_name("long.txt")
 
 
 @pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Tests of the workbench come first: one worker has them, others work while they wait.
 
     Else their servers, windows, child processes and projects would be made twice or thrice.
     """
     long = set(LONG.read_text(encoding="utf-8").split())
+    config.stash[COLLECTED] = collected = {}
     for item in items:
-        if long & {item.nodeid, item.nodeid.partition("[")[0]}:
+        name = item.nodeid.partition("[")[0]
+        is_slow = item.get_closest_marker("slow") is not None
+        collected[name] = is_slow or collected.get(name, False)
+        if long & {item.nodeid, name}:
             item.add_marker("long")
 
     def place(item: pytest.Item) -> int:

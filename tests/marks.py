@@ -1,6 +1,9 @@
-"""Marks of single cases among many."""
+"""Marks of single cases among many; which tests are slow."""
 
 import pytest
+
+#: Tests that were collected, cases of one together, and whether any is slow; see test_slow.py.
+COLLECTED = pytest.StashKey[dict[str, bool]]()
 
 
 def slow(*case: object):

@@ -1,8 +1,7 @@
 """What `auto` claims of legs that share no code with surae and depart from its models.
 
 README promises that what is called identified is true for 93 % at least (`PROMISED`), and counts
-how much is of one trial (`IDENTIFIED`): who claims nothing keeps any promise. Values of few legs
-scatter about that: a count fails only where so few true ones came once in twenty times.
+how much is of one trial (`IDENTIFIED`): who claims nothing keeps any promise.
 Families l-* are for a last count alone.
 """
 
@@ -16,8 +15,7 @@ from scipy.stats import binom
 
 import surae
 from ankle_legs.make import make, truth_of
-
-PROMISED, IDENTIFIED = 0.93, 0.09
+from promises import IDENTIFIED, keeps_the_promise
 
 
 @dataclass
@@ -35,7 +33,7 @@ class Count:
         return self
 
     def keeps_the_promise(self) -> bool:
-        return self.true >= binom.ppf(0.05, self.claimed, PROMISED)
+        return keeps_the_promise(self.true, self.claimed)
 
 
 def counted(fit: surae.Fit, truth: dict[str, float | None]) -> Count:
@@ -164,4 +162,6 @@ def test_noise_of_raw_emg_is_no_release_and_no_curve(tmp_path, family, seed, eve
     known = [p for p in fit.parameters.values() if p.verdict == "identified"]
     assert known
     assert all(p.ci95[0] <= truth[p.name] <= p.ci95[1] for p in known)
-    assert sum(stage.capped for stage in fit.result.solution.stages) == 0
+    solution = fit.result.solution  # of its some 18 descents 0 to 3 end at a cap: decision 17
+    assert solution.outcome == "converged"
+    assert sum(stage.capped for stage in solution.stages) <= 3

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import surae
+from promises import keeps_the_promise
 from surae.recording import MUSCLES, Recording
 
 #: Speed [rad/s] above which the leg is on its way, and what is left out at both ends of a hold [s].
@@ -49,4 +50,4 @@ def test_holds_cut_in_mid_effort_are_followed_and_claims_are_true(tmp_path, fami
     missed = [n for n, p in told.items() if not p.ci95[0] <= truth[n] <= p.ci95[1]]
     assert not [n for n in missed if told[n].verdict == "identified"]
     assert len(told) >= 13
-    assert len(missed) <= 2  # of 17 at most, one of twenty intervals
+    assert keeps_the_promise(len(told) - len(missed), len(told), 0.95)  # 3 of 17 once in twenty

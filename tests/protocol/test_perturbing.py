@@ -118,7 +118,7 @@ def test_promised_widths_are_those_of_recordings_that_others_made() -> None:
         effort=np.zeros((len(time), 4)),
     )
     own = {"stiffness": 60.0, "viscosity": 0.8, "inertia": 0.015}
-    measures, _ = _of_perturbation(movement, {**USUAL, **own}, 0.15)
+    measures, _ = _of_perturbation(movement, {**USUAL, **own}, 0.15, None)
     names = {"intrinsic_stiffness": 60.0, "intrinsic_viscosity": 1.2, "inertia": 0.015}
     found = [surae.impedance(ankle.recording(seed)).measures for seed in range(1, 6)]
     for name, true in names.items():
