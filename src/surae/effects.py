@@ -18,6 +18,8 @@ _PRIORS = (
     "axis_mm",
     "geometry_sd_percent",
     "height_cm",
+    "age_years",
+    "mass_kg",
     "foot_mm",
     "arm_tri_mm",
     "arm_tib_mm",
