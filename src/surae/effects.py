@@ -13,16 +13,12 @@ from surae.model.options import ModelOptions
 _OF_TENDONS = ("tendon_strain", "integrator")
 #: What the virtual-work geometry alone reads.
 _OF_VIRTUAL_WORK = ("x_ref_tri", "x_ref_tib")
-#: What becomes a prior of what the laboratory cannot rule out, which a named model does not have.
+#: What becomes a prior of what the laboratory cannot rule out, which a named model does not have;
+#: a size or an arm that is stated is in its intervals.
 _PRIORS = (
     "axis_mm",
     "geometry_sd_percent",
-    "height_cm",
-    "age_years",
     "mass_kg",
-    "foot_mm",
-    "arm_tri_mm",
-    "arm_tib_mm",
     "crosstalk",
 )
 #: What to do about an option that only the other kind of estimator has.
@@ -98,7 +94,7 @@ def prior_parts(known: Knowledge) -> Iterator[str]:
 
 
 def without_priors(known: Knowledge) -> Knowledge:
-    """What a named model reads of it: the angle's zero, a recorded plate and a generic geometry."""
+    """What a named model reads: the angle's zero, a recorded plate, arms, a generic geometry."""
     usual = {each.name: getattr(Knowledge(), each.name) for each in fields(Knowledge)}
     return replace(known, **{part: usual[part] for part in prior_parts(known)})
 

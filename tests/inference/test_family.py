@@ -240,7 +240,7 @@ def test_what_electrodes_show_at_rest_is_not_claimed_of_the_leg(whole, fitted, l
 
 
 def test_a_loss_needs_a_named_model(leg):
-    with pytest.raises(InputError, match="goes with a named model"):
+    with pytest.raises(InputError, match="loss has no effect with model auto"):
         solve(make_problem([leg.inputs], "auto", loss="huber"))
 
 

@@ -122,7 +122,7 @@ def said(tmp_path: Path, text: str) -> Path:
         ("[knowledge]\nangle_zero = {value = 0, sd = 1}", "did you mean 'angle_zero_deg'"),
         ("[knowledge]\naxis_mm = {value = 0, sdd = 1}", "sdd"),
         ("[knowledge]\naxis_mm = {value = 0.0}", "sd"),
-        ("[knowledge]\nangle_zero_deg = {value = 0.0, sd = 0.0}", "more than 0"),
+        ("[knowledge]\nangle_zero_deg = {value = 0.0, sd = 0.0}", "at least 0.001"),
         ("[knowledge]\nangle_zero_deg = {value = 90.0, sd = 1.0}", "at most 30"),
         ("[knowledge]\naxis_mm = {value = 'near', sd = 1.0}", "axis_mm"),
         ("[knowledge]\ngeometry_sd_percent = 3", "no effect without geometry"),
@@ -198,19 +198,19 @@ def test_arms_and_paths_go_with_the_foot_and_the_foot_with_the_height() -> None:
 
 
 def test_a_childs_arms_go_with_its_height_or_its_age_and_its_foot_with_its_mass() -> None:
-    small = Knowledge(height_cm=80.0).nuisances()
+    small = priors_of(Knowledge(height_cm=80.0))
     assert np.exp(small["arm_scale_tri"][0]) == pytest.approx(80.0 / 175.0)
     for age, height in ((2.0, 87.0), (6.0, 115.5), (11.0, 144.0)):
-        by_age = Knowledge(age_years=age).nuisances()["arm_scale_tib"]
+        by_age = priors_of(Knowledge(age_years=age))["arm_scale_tib"]
         assert np.exp(by_age[0]) == pytest.approx(height / 175.0)
         assert by_age[1] == pytest.approx(np.hypot(0.08, 0.05))
-        both = Knowledge(age_years=age, height_cm=100.0).nuisances()["arm_scale_tib"]
+        both = priors_of(Knowledge(age_years=age, height_cm=100.0))["arm_scale_tib"]
         assert both == (pytest.approx(np.log(100.0 / 175.0)), 0.08)
     assert Knowledge(age_years=40.0).size == 0.0
     assert Knowledge(mass_kg=20.0).mass == (pytest.approx(1.29), 0.3)
-    assert ("moment arms", "0.66 times the assumed, ± 9.4 %", "age") in Knowledge(
+    assert ("moment arms", "0.66 times the assumed, ± 9.4 %", "age") in lines_of(Knowledge(
         age_years=6.0
-    ).lines()
+    ))
     with pytest.raises(InputError, match="at least 80"):
         Knowledge(height_cm=79.0)
 

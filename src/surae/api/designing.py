@@ -22,7 +22,7 @@ from surae.planning.information import filmed
 from surae.planning.legs import Legs, fit_legs, noise_of, population_legs
 from surae.planning.next import NextTrial, fit_precision, measure_next_of
 from surae.planning.ready import ready_protocols, start_for
-from surae.planning.search import Budget
+from surae.planning.search import SearchBudget
 from surae.planning.session import SessionPlan, best_session
 from surae.protocol import (
     DEVICES,
@@ -123,7 +123,7 @@ def design(
     return make_design(
         asked,
         Judges(legs, unseen, level, known, precision),
-        Budget(most, settings.seed, progress),
+        SearchBudget(most, settings.seed, progress),
         start_for(duration, AUTO if chosen == AUTO else chosen, settings.aim, effort),
     )
 

@@ -13,7 +13,7 @@ from surae.nerve.judged import INTRINSIC, REFLEX, Judged, Number, parameter, sha
 from surae.nerve.piece import Piece
 from surae.nerve.presence import Weighed, bound, first_shape, shapes, weigh
 from surae.nerve.response import free_noise, lagged
-from surae.nerve.rivals import BETTER, PLAIN, RELAXING, Rivals
+from surae.nerve.other_structures import BETTER, PLAIN, RELAXING, OtherStructures
 
 #: z of a trend, and of the scatter over tens of seconds, from which stiffness is said to change.
 CHANGING = 3.0
@@ -79,7 +79,7 @@ def identify(
     chosen = _filtered(problem, problem.fit(chosen.structure, chosen.values))
     judged = Judged(problem, chosen, floor)
     misfit = _misfit(free, chosen, first)
-    numbers, structures = Rivals(
+    numbers, structures = OtherStructures(
         problem, chosen, _numbers(judged, pieces, present), starts[direction], misfit
     ).weighed()
     if present:

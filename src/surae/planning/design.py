@@ -22,7 +22,7 @@ from surae.planning.information import SINGULAR, information, prior_precision
 from surae.planning.legs import Legs
 from surae.planning.plan import Limits, Plan, eased, highest_hz, limits_of
 from surae.planning.ready import Ready
-from surae.planning.search import MEAN, SEARCH_RATE, WORST, Budget, make_aim, search
+from surae.planning.search import MEAN, SEARCH_RATE, WORST, SearchBudget, make_aim, search
 from surae.planning.torque import within_torque
 from surae.protocol import Device, Trajectory, write_protocol
 
@@ -97,7 +97,7 @@ class Judges:
     precision: Mapping[str, Any] = FrozenDict()  #: As of `expected`.
 
 
-def make_design(asked: Asked, judges: Judges, budget: Budget, start: Ready | None = None) -> Design:
+def make_design(asked: Asked, judges: Judges, budget: SearchBudget, start: Ready | None = None) -> Design:
     """Search a protocol from `start`, hold it to the device, and judge it.
 
     Where the device cannot do it, the message says what to give up.

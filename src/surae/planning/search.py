@@ -141,7 +141,7 @@ class Search(Comparable):
 
 
 @dataclass(frozen=True, slots=True)
-class Budget:
+class SearchBudget:
     """How long a protocol is searched."""
 
     evaluations: int  #: Plans that are judged, at most.
@@ -161,7 +161,7 @@ def search(
     *,
     noise: float,
     torque: float,
-    budget: Budget,
+    budget: SearchBudget,
     known: FloatArray | None = None,
     start: FloatArray | None = None,
 ) -> Search:

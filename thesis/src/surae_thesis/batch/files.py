@@ -90,7 +90,8 @@ def _labelled(
                 continue
             inside = folder.relative_to(root).parts
             for name, path in several.items():
-                yield "/".join((*inside, name)), path
+                if path.parent == folder:  # those below it come with their own folder
+                    yield "/".join((*inside, name)), path
 
 
 def _read(label: str, pattern: str) -> tuple[str, str, int]:

@@ -34,12 +34,12 @@ _FILTERS = (
     N_("a torque channel with two poles"),
 )
 
-#: How another structure counts in an interval; see `Rivals`.
+#: How another structure counts in an interval; see `OtherStructures`.
 Counts = Literal["whole", "shifted", "value"]
 
 
 @dataclass(frozen=True, slots=True)
-class Rivals:
+class OtherStructures:
     """Numbers with what other structures say in their intervals, and the stiffness of each.
 
     Simpler ones that describe the torque about as well count with their intervals, richer ones that
