@@ -192,24 +192,41 @@ def compare_sessions(
         )
         for name in names
     }
-    weights = _weights([name for name, (draft, _) in drafts.items() if draft.p is not None])
     judged = {name: draft for name, (draft, _) in drafts.items()}
+    withheld = _doubt(before, after, legs=legs)
+    doubts = {
+        name: _doubt_of(name, before, after, withheld)
+        for name, draft in judged.items()
+        if draft.p is not None
+    }
+    weights = _weights([name for name, doubt in doubts.items() if not doubt])
+    adjusted = holm({name: drafts[name][0].p or 0.0 for name in weights}, weights)
+    for name, p in adjusted.items():
+        judged[name] = _judged(*drafts[name], p, LEVEL * weights[name], legs=legs)
+    doubtful = [(name, doubt) for name, doubt in doubts.items() if doubt]
+    for name, doubt in doubtful:
+        note = Message("change/no-verdict", why=doubt)
+        judged[name] = replace(judged[name], p=None, note=note)
     multiplicity = Message("change/holm", n=len(weights))
-    if withheld := _doubt(before, after, legs=legs):
-        multiplicity = Message("change/none-judged", why=withheld)
-        for name in weights:
-            note = Message("change/no-verdict", why=withheld)
-            judged[name] = replace(judged[name], p=None, note=note)
-    else:
-        adjusted = holm({name: drafts[name][0].p or 0.0 for name in weights}, weights)
-        for name, p in adjusted.items():
-            judged[name] = _judged(*drafts[name], p, LEVEL * weights[name], legs=legs)
+    if doubtful and not weights:
+        multiplicity = Message("change/none-judged", why=withheld or doubtful[0][1])
+    elif doubtful:
+        multiplicity = Message("change/some-judged", n=len(weights), why=withheld or doubtful[0][1])
     measures, parameters = (
         FrozenDict((n, d) for n, d in judged.items() if d.kind == kind)
         for kind in ("measure", "parameter")
     )
     repeated = len(baselines) + 1 if baselines else 0
-    return Change(before, after, measures, parameters, multiplicity, repeated, legs, bool(withheld))
+    none = bool(doubtful) and not weights
+    return Change(before, after, measures, parameters, multiplicity, repeated, legs, none)
+
+
+def _doubt_of(name: str, before: Quantities, after: Quantities, withheld: str | None) -> str:
+    """Why a difference isn't judged; what both have by rest alone is not doubted with the fits."""
+    pair = [side.by_name[name] for side in (before, after)]
+    if all(q.basis == "rest" for q in pair):
+        return next((q.doubt for q in pair if q.doubt), "")
+    return withheld or ""
 
 
 def _doubt(before: Quantities, after: Quantities, *, legs: bool) -> Message | None:
@@ -302,6 +319,8 @@ def _obstacle(before: Quantities, after: Quantities, a: Quantity | None, b: Quan
         why = Message("change/options", names=", ".join(differing))
     elif a.from_deg is not None and abs(a.from_deg - (b.from_deg or 0.0)) > _RANGES:
         why = Message("change/ranges")
+    elif a.basis != b.basis:
+        why = Message("change/bases")
     elif a.unit != b.unit:
         why = Message("change/units", before=a.unit, after=b.unit)
     elif a.kind == "parameter" and before.model != after.model:

@@ -12,8 +12,11 @@ from surae.base.normal import standard_error_of
 from surae.base.records import OrNaN
 from surae.base.words import Message
 from surae.inference import Adequacy, AssessedFit, FitResult, Grade
-from surae.measures.compute import ANGLES, extrapolated, judged_measures, points
+from surae.inference.relaxed.curve import RelaxedCurve
+from surae.measures.at_rest import relaxed_of
+from surae.measures.compute import ANGLES, Evaluated, extrapolated, judged_measures, points
 from surae.measures.leg import leg_of
+from surae.measures.measure import Measure
 from surae.measures.table import ELECTRODES, LEADING
 from surae.model.laboratory import group_of
 
@@ -48,6 +51,8 @@ class Quantity:
     to_deg: float | None = None
     #: Whether it can be pooled with other legs although no two sessions are compared by it.
     is_comparable_between_legs: bool = False
+    basis: str = "model"  #: As of `Measure`; what is by rest alone is not doubted with the fit.
+    doubt: str = ""  #: Why differences of one by rest alone are shown and not judged.
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +104,9 @@ def quantities(
         common = m.name in LEADING and math.isfinite(end)
         if common or (alone == ELECTRODES and has_reference):
             alone = ""
+        if m.basis == "rest":
+            by_name[m.name] = _of_rest(evaluated, m, alone, fit)
+            continue
         if m.value is None or m.ci95 is None:
             deviations = _NONE
             why = inadequate or m.note
@@ -157,4 +165,31 @@ def quantities(
         adequacy,
         tuple(recording.name for recording in problem.inputs),
         FrozenDict(by_name),
+    )
+
+
+def _of_rest(evaluated: Evaluated, m: Measure, alone: str, fit: AssessedFit) -> Quantity:
+    """A measure by rest alone: no parameter and no doubt of the fit is in it."""
+    assert evaluated.deviations is not None
+    curve = relaxed_of(fit.result)
+    doubt = ""
+    if isinstance(curve, RelaxedCurve) and curve.grade is not Grade.ADEQUATE:
+        doubt = Message("change/rest-doubtful", reason=curve.findings[0])
+    total, session = evaluated.deviations
+    worded = fit.result.problem.options.anatomy.worded
+    return Quantity(
+        m.name,
+        m.unit,
+        m.meaning,
+        "measure",
+        m.value,
+        total,
+        session,
+        0.0,
+        Message(alone, worded) if alone else "",
+        from_deg=m.from_deg,
+        to_deg=m.to_deg,
+        is_comparable_between_legs=bool(alone),
+        basis=m.basis,
+        doubt=doubt,
     )

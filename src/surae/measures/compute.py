@@ -15,9 +15,12 @@ from surae.base.units import FloatArray
 from surae.base.words import Message
 from surae.inference import AssessedFit, FitResult, Grade, Verdict
 from surae.inference.judging.parameter import IDENTIFIED, percent
+from surae.inference.relaxed.curve import RelaxedCurve
 from surae.inference.uncertainty.combined import Uncertainty
+from surae.measures.at_rest import measures_at, relaxed_of, rest_said
 from surae.measures.leg import Leg, NotDefinedError, leg_of, measured_range
 from surae.measures.measure import Measure, Measures
+from surae.measures.rest import RestMeasure
 from surae.measures.table import DEFINITIONS, Definition
 from surae.model import ModelOptions, get_model, with_optional
 from surae.model.laboratory import OUTSIDE, group_of
@@ -74,6 +77,9 @@ class Evaluated:
     value: float | None  #: None where there is none, for the reason `missing`.
     gradient: FloatArray  #: By the free parameters, shape (p,).
     missing: Message | None = None  #: Why it has no value or no interval.
+    #: Of one by rest alone, on which no parameter acts: its standard deviation, and that of what
+    #: another session draws anew.
+    deviations: tuple[float, float] | None = None
 
 
 def points(angles: Sequence[float] = ANGLES, end: float = math.inf) -> tuple[MeasurePoint, ...]:
@@ -138,14 +144,42 @@ def measures(fit: AssessedFit, angles: Sequence[float] = ANGLES) -> Measures:
     """All measures of a fit, those of angles at these [deg]; what it lacks has a reason instead."""
     judged = judged_measures(fit, points(angles))
     by_name = FrozenDict((measure.name, measure) for _, measure in judged)
-    return Measures(fit.result.problem.spec.name, fit.assessment.adequacy, by_name)
+    rest = rest_said(relaxed_of(fit.result))
+    return Measures(fit.result.problem.spec.name, fit.assessment.adequacy, by_name, rest)
 
 
 @lru_cache(maxsize=4)  # pages, comparisons and answers are often of the same fit
 def judged_measures(
     fit: AssessedFit, wanted: tuple[MeasurePoint, ...]
 ) -> tuple[tuple[Evaluated, Measure], ...]:
+    """All these measures of a fit: by rest alone what its rest tells, the others by its model."""
+    curve = relaxed_of(fit.result)
+    if not isinstance(curve, RelaxedCurve):
+        return _by_model(fit, wanted)
+    angles = tuple(dict.fromkeys(p.at for p in wanted if p.definition.at == "deg"))
+    end = next((p.at for p in wanted if p.definition.span), math.inf)
+    own = {each.measure.name: each for each in measures_at(curve, fit.result, angles, end)}
+    others = tuple(point for point in wanted if point.name not in own)
+    modelled = {each.point: (each, measure) for each, measure in _by_model(fit, others)}
+    size = len(fit.assessment.uncertainty.names)
+    return tuple(modelled.get(p) or _by_rest(p, own[p.name], size) for p in wanted)
+
+
+def _by_rest(point: MeasurePoint, told: RestMeasure, size: int) -> tuple[Evaluated, Measure]:
+    """A measure by rest alone, which none of so many parameters moves."""
+    assert told.total is not None
+    assert told.session is not None
+    deviations = told.total, told.session
+    evaluated = Evaluated(point, told.measure.value, np.zeros(size), deviations=deviations)
+    return evaluated, told.measure
+
+
+def _by_model(
+    fit: AssessedFit, wanted: tuple[MeasurePoint, ...]
+) -> tuple[tuple[Evaluated, Measure], ...]:
     """All these measures of a fit, each with its derivatives."""
+    if not wanted:
+        return ()
     drawn = _drawn(fit.result, fit.assessment.uncertainty, wanted)
     return tuple(
         (each, _measure(each, drawn.get(each.point.name), fit))
@@ -300,7 +334,7 @@ def extrapolated(evaluated: Evaluated, result: FitResult) -> Message | None:
     if definition.at == "s":
         longest = max(float(i.time[-1] - i.time[0]) for i in result.problem.inputs)
         return None if at <= longest else Message("beyond/time", seconds=longest)
-    if definition.at not in ("N", "Nm"):
+    if definition.at not in ("N", "Nm") or definition.name == "stiffness_at_torque":
         return None
     leg = leg_of(result)
     group = "tib" if definition.name.endswith("_tib") else "tri"

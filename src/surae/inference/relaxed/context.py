@@ -8,7 +8,7 @@ import numpy as np
 
 from surae.base.units import FloatArray
 from surae.inference.relaxed.regressors import SHARED, TAUS
-from surae.model.knowledge import Knowledge
+from surae.settings import FitSettings
 
 #: Weight of foot and plate at a lever of 0.15 m [Nm]: 1.9 ± 0.3 kg (thesis, bounds 1.2 to 3 kg).
 _WEIGHT = (2.8, 0.45)
@@ -56,13 +56,12 @@ class Laboratory:
     plate_known: bool = False  #: Whether the plate was tared, or taken off.
 
     @classmethod
-    def of(cls, knowledge: Knowledge | None) -> "Laboratory":
-        """What a session's knowledge says."""
-        if knowledge is None:
-            return cls()
-        stated = knowledge.statements.get("angle_zero")
-        zero, sd = (0.0, _ANGLE_ZERO) if stated is None else stated.numbers[""]
-        return cls(zero, sd, knowledge.plate is not None)
+    def of(cls, settings: FitSettings) -> "Laboratory":
+        """What settings of a fit say, and a session's knowledge in them."""
+        stated = settings.stated_zero
+        zero = math.degrees(settings.fixed.get("angle_zero", 0.0)) if stated is None else stated[0]
+        known = settings.knowledge is not None and settings.knowledge.plate is not None
+        return cls(zero, settings.zero_sd, known)
 
 
 #: A laboratory of which nothing is known.
