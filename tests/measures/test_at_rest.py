@@ -8,12 +8,15 @@ import pytest
 from click.testing import CliRunner
 
 import surae
+from ankle_legs.make import make, truth_of
 from relaxed_ankle import Ankle, efforts, measured, movement
 from surae.cli import group
 from surae.inference import Grade, Verdict
 from surae.measures.change import ChangeVerdict, compare_sessions
 from surae.measures.compared import quantities
+from surae.protocol import Protocol, generate
 from surae.recording import MUSCLES
+from surae.studies import virtual_subject, virtual_trial
 
 #: Torque of the calf for its EMG [Nm/V], and when it works [s].
 _GAIN = 4e4
@@ -152,3 +155,41 @@ def test_one_by_rest_and_one_by_the_model_are_not_compared(fit) -> None:
     mixed = replace(brought, by_name=type(brought.by_name)({**brought.by_name, name: other}))
     told = compare_sessions(brought, mixed).measures[name]
     assert told.verdict is ChangeVerdict.NOT_COMPARABLE
+
+
+def test_a_toe_that_the_models_tissue_cannot_follow_is_said_and_doubts_its_parts(fit) -> None:
+    told = fit.measures()
+    assert told.rest.conflict.code == "rest/two-tissues"
+    assert told["passive_stiffness_tri@10deg"].verdict is Verdict.UNDETERMINED
+    assert told["slow_stiffness@10deg"].note.code != "rest/two-tissues"
+    assert "two tissues" in told.as_table().text()
+
+
+@pytest.mark.parametrize("seed", [3, 20, 21])
+def test_one_tissue_is_not_called_two(seed) -> None:
+    def made(task, number, seconds):
+        protocol = Protocol(
+            profile="multiple-holds",
+            chirp_amplitude=0.2,
+            chirp_rate=0.05,
+            rate_hz=100.0,
+            task=task,
+            duration=seconds,
+        )
+        return virtual_trial(virtual_subject(seed), generate(protocol), seed=number, noise=0.02)
+
+    trials = [made("passive", seed, 40.0), made("active", seed + 50, 30.0)]
+    told = surae.fit(trials, "muscle", starts=2, quality=()).measures()
+    assert told["slow_stiffness@10deg"].basis == "rest"
+    assert not told.rest.conflict
+
+
+@pytest.mark.parametrize("leg", [1, 2])
+def test_a_toe_of_another_author_is_told_by_rest(leg, tmp_path) -> None:
+    (path,) = make("rb", leg, tmp_path, (1,))
+    told = surae.fit(path, "muscle", starts=1, quality=()).measures()
+    truth = truth_of("rb", leg, 1)["measures"]
+    by_rest = [m for name, m in told.items() if m.basis == "rest" and name in truth]
+    stiff = [m for m in by_rest if m.name.startswith(("slow_stiffness", "passive_stiffness"))]
+    assert stiff
+    assert all(m.ci95[0] <= truth[m.name] <= m.ci95[1] for m in stiff)

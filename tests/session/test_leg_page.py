@@ -343,4 +343,8 @@ def test_holds_that_contradict_the_model_take_its_stiffness_off_the_page(tmp_pat
     assert "8 held angles" in stiff
     value = float(re.search(r"<strong>([\d.]+) Nm/°</strong>", stiff)[1])
     truth = truth_of("p", 2, 1)["measures"]["end_stiffness"]  # which leads the page
-    assert (value == pytest.approx(truth, rel=0.1)) is not treated
+    if treated:
+        assert value != pytest.approx(truth, rel=0.1)
+    else:  # by the few seconds between efforts
+        low, high = map(float, re.search(r"95 %: ([\d.]+) to ([\d.]+)", stiff).groups())
+        assert low <= truth <= high

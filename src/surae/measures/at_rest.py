@@ -75,8 +75,10 @@ def _turned(told: RestMeasure, zero: float) -> RestMeasure:
     return replace(told, measure=replace(m, from_deg=m.from_deg + zero, to_deg=m.to_deg + zero))
 
 
-def rest_said(curve: RelaxedCurve | Message) -> RestSaid:
-    """What a table says of rest."""
+def rest_said(curve: RelaxedCurve | Message, conflict: Message | None = None) -> RestSaid:
+    """What a table says of rest, and whether the muscles' fit is in conflict with it."""
     if not isinstance(curve, RelaxedCurve):
         return RestSaid(missing=curve)
-    return RestSaid(curve.grade, curve.seconds, (curve.low, curve.high), curve.findings)
+    return RestSaid(
+        curve.grade, curve.seconds, (curve.low, curve.high), curve.findings, conflict=conflict or ""
+    )

@@ -16,8 +16,9 @@ from surae.base.words import Message
 from surae.inference import AssessedFit, FitResult, Grade, Verdict
 from surae.inference.judging.parameter import IDENTIFIED, percent
 from surae.inference.relaxed.curve import RelaxedCurve
-from surae.inference.uncertainty.combined import Uncertainty
+from surae.inference.uncertainty.combined import ZERO, Uncertainty
 from surae.measures.at_rest import measures_at, relaxed_of, rest_said
+from surae.measures.conflict import LEVEL, compared_angles, disagreement
 from surae.measures.leg import Leg, NotDefinedError, leg_of, measured_range
 from surae.measures.measure import Measure, Measures
 from surae.measures.rest import RestMeasure
@@ -42,6 +43,21 @@ _ANGLE = 2.0
 _ANY_ANGLE = 20.0
 #: Degrees beyond the measured range that still count as measured.
 _BEYOND = 0.5
+#: How those begin that are of the fit's relaxed tissue.
+_OF_TISSUE = (
+    "end_stiffness",
+    "end_torque",
+    "torque_rise",
+    "passive_",
+    "slow_",
+    "quick_stiffness",
+    "neutral_angle",
+    "slack_",
+    "range_at_torque",
+    "stiffness_at_torque",
+    "hysteresis",
+    "dissipated_energy",
+)
 #: Part of the variance that comes through a parameter at its bound, from which that is reported.
 _BOUND = 0.25
 
@@ -144,7 +160,7 @@ def measures(fit: AssessedFit, angles: Sequence[float] = ANGLES) -> Measures:
     """All measures of a fit, those of angles at these [deg]; what it lacks has a reason instead."""
     judged = judged_measures(fit, points(angles))
     by_name = FrozenDict((measure.name, measure) for _, measure in judged)
-    rest = rest_said(relaxed_of(fit.result))
+    rest = rest_said(relaxed_of(fit.result), two_tissues(fit))
     return Measures(fit.result.problem.spec.name, fit.assessment.adequacy, by_name, rest)
 
 
@@ -160,9 +176,37 @@ def judged_measures(
     end = next((p.at for p in wanted if p.definition.span), math.inf)
     own = {each.measure.name: each for each in measures_at(curve, fit.result, angles, end)}
     others = tuple(point for point in wanted if point.name not in own)
-    modelled = {each.point: (each, measure) for each, measure in _by_model(fit, others)}
+    why = two_tissues(fit)
+    modelled = {each.point: (each, _doubted(m, why)) for each, m in _by_model(fit, others)}
     size = len(fit.assessment.uncertainty.names)
     return tuple(modelled.get(p) or _by_rest(p, own[p.name], size) for p in wanted)
+
+
+@lru_cache(maxsize=4)
+def two_tissues(fit: AssessedFit) -> Message | None:
+    """That rest and the fit tell two tissues, where they do; see `surae.measures.conflict`."""
+    curve = relaxed_of(fit.result)
+    if not isinstance(curve, RelaxedCurve) or curve.grade is not Grade.ADEQUATE:
+        return None
+    angles = compared_angles(curve)
+    (torque,) = (each for each in DEFINITIONS if each.name == "slow_torque")
+    at = [MeasurePoint(torque, float(angle) + curve.zero_deg) for angle in angles]
+    known = fit.assessment.uncertainty
+    told = evaluate(fit.result, known, at) if at and known.lost != known.names else ()
+    values = [each.value for each in told if each.value is not None and not each.missing]
+    if not told or len(values) < len(at):
+        return None
+    rows = np.array([np.where(np.array(known.names) == ZERO, 0.0, e.gradient) for e in told])
+    p = disagreement(curve, angles, values, rows @ known.covariance() @ rows.T)
+    return Message("rest/two-tissues") if p < LEVEL else None
+
+
+def _doubted(m: Measure, why: Message | None) -> Measure:
+    """A measure of the fit's relaxed tissue, which rest contradicts; others as they are."""
+    base = m.name.partition("@")[0]
+    if why is None or m.ci95 is None or not base.startswith(_OF_TISSUE):
+        return m
+    return replace(m, verdict=Verdict.UNDETERMINED, note=why)
 
 
 def _by_rest(point: MeasurePoint, told: RestMeasure, size: int) -> tuple[Evaluated, Measure]:

@@ -62,6 +62,7 @@ class RestSaid:
     range_deg: tuple[float, float] | None = None  #: Angles of it by the device [deg].
     findings: tuple[str, ...] = ()  #: What was met, the gravest first.
     missing: str = ""  #: Why there is no curve.
+    conflict: str = ""  #: What the muscles' fit says otherwise; it speaks against that alone.
 
     @property
     def lines(self) -> tuple[str, ...]:
@@ -70,7 +71,7 @@ class RestSaid:
             return (f"relaxed ankle: by the model alone; {self.missing}",) if self.missing else ()
         low, high = (f"{each:.0f}°".replace("-", "−") for each in self.range_deg)
         rests = f"relaxed ankle: {self.grade}; {self.seconds:.3g} s of rest, {low} to {high}"
-        return (rests, *self.findings)
+        return (rests, *self.findings, *filter(None, [self.conflict]))
 
 
 @dataclass(frozen=True, slots=True, repr=False)
