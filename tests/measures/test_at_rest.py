@@ -193,3 +193,14 @@ def test_a_toe_of_another_author_is_told_by_rest(leg, tmp_path) -> None:
     stiff = [m for m in by_rest if m.name.startswith(("slow_stiffness", "passive_stiffness"))]
     assert stiff
     assert all(m.ci95[0] <= truth[m.name] <= m.ci95[1] for m in stiff)
+
+
+def test_how_the_foot_hangs_is_taken_as_it_is_stated() -> None:
+    hangs = trial(replace(TOE, tilt=-20.0))
+    told = surae.fit(
+        [hangs], "muscle", starts=1, quality=(), theta_foot=np.radians(20.0)
+    ).measures()
+    stiffness = told["passive_stiffness@10deg"]
+    assert stiffness.basis == "rest"
+    assert stiffness.ci95[0] <= TOE.stiffness(10.0) <= stiffness.ci95[1]
+    assert stiffness.value == pytest.approx(TOE.stiffness(10.0), rel=0.05)

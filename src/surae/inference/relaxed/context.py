@@ -54,6 +54,7 @@ class Laboratory:
     zero_deg: float = 0.0
     zero_sd: float = _ANGLE_ZERO
     plate_known: bool = False  #: Whether the plate was tared, or taken off.
+    foot_rad: float = 0.0  #: Angle of the foot to the horizontal at 0 rad, equation (7).
 
     @classmethod
     def of(cls, settings: FitSettings) -> "Laboratory":
@@ -61,7 +62,7 @@ class Laboratory:
         stated = settings.stated_zero
         zero = math.degrees(settings.fixed.get("angle_zero", 0.0)) if stated is None else stated[0]
         known = settings.knowledge is not None and settings.knowledge.plate is not None
-        return cls(zero, settings.zero_sd, known)
+        return cls(zero, settings.zero_sd, known, settings.options.theta_foot)
 
 
 #: A laboratory of which nothing is known.
@@ -76,6 +77,7 @@ class Hypothesis:
     reflex: bool
     apart: bool  #: Whether each trial has a zero of its own.
     odds: float
+    foot_rad: float = 0.0  #: As of `Laboratory`.
 
 
 def hypotheses(laboratory: Laboratory, trials: int) -> tuple[Hypothesis, ...]:
@@ -85,7 +87,7 @@ def hypotheses(laboratory: Laboratory, trials: int) -> tuple[Hypothesis, ...]:
     reflexes = {False: 1.0 - _ODDS_REFLEX, True: _ODDS_REFLEX}
     zeros = {False: 1.0 - _ODDS_APART, True: _ODDS_APART} if trials > 1 else {True: 1.0}
     return tuple(
-        Hypothesis(plate, reflex, apart, a * b * c)
+        Hypothesis(plate, reflex, apart, a * b * c, laboratory.foot_rad)
         for plate, a in plates.items()
         for reflex, b in reflexes.items()
         for apart, c in zeros.items()
@@ -146,7 +148,8 @@ def gaussians(
     inner = len(curve) + len(TAUS)
     mean = np.concatenate([np.zeros(len(curve)), np.full(len(TAUS), _GAMMA[0]), np.zeros(len(sds))])
     at = {name: inner + names.index(name) for name in SHARED}
-    mean[at["weight"]] = _WEIGHT[0]
+    mean[at["weight"]] = _WEIGHT[0] * math.cos(hypothesis.foot_rad)
+    mean[at["tilt"]] = _WEIGHT[0] * math.sin(hypothesis.foot_rad)
     mean[at["inertia"]] = _WEIGHT[0] * _LEVER + hypothesis.plate * _PLATE[1]
     mean[at["constant"]] = offset - _WEIGHT[0]
     spread = np.concatenate([curve, np.full(len(TAUS), _GAMMA[1]), sds])
