@@ -208,9 +208,9 @@ def test_a_childs_arms_go_with_its_height_or_its_age_and_its_foot_with_its_mass(
         assert both == (pytest.approx(np.log(100.0 / 175.0)), 0.08)
     assert Knowledge(age_years=40.0).size == 0.0
     assert Knowledge(mass_kg=20.0).mass == (pytest.approx(1.29), 0.3)
-    assert ("moment arms", "0.66 times the assumed, ± 9.4 %", "age") in lines_of(Knowledge(
-        age_years=6.0
-    ))
+    assert ("moment arms", "0.66 times the assumed, ± 9.4 %", "age") in lines_of(
+        Knowledge(age_years=6.0)
+    )
     with pytest.raises(InputError, match="at least 80"):
         Knowledge(height_cm=79.0)
 

@@ -17,6 +17,7 @@ import surae
 import surae.api
 from ankle_legs.make import make, truth_of
 from surae.base.errors import InputError
+from surae.base.frozen import FrozenDict
 from surae.base.names import LANGUAGES
 from surae.base.words import english
 from surae.inference import Grade
@@ -135,7 +136,7 @@ def test_a_figure_speaks_the_readers_language(done) -> None:
         patched.setattr(output, "data_url", lambda drawn, *_: drawn.decode())
         images = done[1].blocks("nl")["images"]
     assert "Moment [Nm]|" in images["stiffness"]
-    assert "model, ontspannen, 95 %" in images["stiffness"]
+    assert "|ontspannen, 95 %|" in images["stiffness"]
     assert set(images) <= {"stiffness", "made"}
 
 
@@ -291,9 +292,21 @@ def test_no_change_and_doubtful_fits_are_never_a_yes(sides, tmp_path) -> None:
     assert "none shown" in page
     assert ">changed<" not in page
     assert "allowed for (Holm)" in page
-    page = change_page(tmp_path / "c.html", compare_sessions(one, doubt), fit)
+    by_model = {n: replace(q, basis="model") for n, q in one.by_name.items()}
+    sides = [replace(each, by_name=FrozenDict(by_model)) for each in (one, doubt)]
+    page = change_page(tmp_path / "c.html", compare_sessions(*sides), fit)
     assert "none shown" not in page
     assert "Holm" not in page
+
+
+def test_a_doubtful_fit_takes_no_verdict_off_what_rest_says(sides) -> None:
+    one, doubt, _ = sides
+    told = compare_sessions(one, doubt)
+    by_rest = {name for name, q in one.by_name.items() if q.basis == "rest"}
+    judged = {name for name, d in told.measures.items() if d.p is not None}
+    assert "slow_stiffness@10deg" in judged
+    assert judged <= by_rest
+    assert not any(d.p is not None for d in told.parameters.values())
 
 
 def foreign(folder, held):
@@ -330,4 +343,8 @@ def test_holds_that_contradict_the_model_take_its_stiffness_off_the_page(tmp_pat
     assert "8 held angles" in stiff
     value = float(re.search(r"<strong>([\d.]+) Nm/°</strong>", stiff)[1])
     truth = truth_of("p", 2, 1)["measures"]["end_stiffness"]  # which leads the page
-    assert (value == pytest.approx(truth, rel=0.1)) is not treated
+    if treated:
+        assert value != pytest.approx(truth, rel=0.1)
+    else:  # by the few seconds between efforts
+        low, high = map(float, re.search(r"95 %: ([\d.]+) to ([\d.]+)", stiff).groups())
+        assert low <= truth <= high

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from surae._version import __version__
 from surae.api.given import AnyRecording, read_in, several
+from surae.api.recordings import explained
 from surae.base.errors import InputError
 from surae.base.files import PathLike, write_json
 from surae.base.formatting import of_interval
@@ -14,15 +15,16 @@ from surae.base.frozen import FrozenDict
 from surae.base.records import to_plain
 from surae.base.setting import is_number
 from surae.base.tables import Tabular, TextTable
-from surae.base.threads import one_blas_thread
-from surae.inference.relaxed.build import relaxed_curve
 from surae.inference.relaxed.context import Laboratory
 from surae.inference.relaxed.curve import RelaxedCurve
+from surae.measures.at_rest import curve_of, rest_said
 from surae.measures.measure import Measure
 from surae.measures.rest import measures_of_rest
 from surae.model.knowledge import Knowledge
-from surae.recording import read
-from surae.signals import ModelInputs, prepare
+from surae.recording import Recording, read
+from surae.settings import FitSettings
+from surae.signals import ModelInputs
+from surae.signals.windows import parted
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -78,14 +80,10 @@ class Relaxed(Tabular):
             text = of_interval(m.value, m.ci95)
             device = "" if m.ci95_device is None else of_interval(m.value, m.ci95_device).interval
             rows.append((m.name, text.value, text.interval, device, m.unit, str(m.verdict), m.note))
-        c = self.curve
-        rests = (
-            f"relaxed ankle: {c.grade}; {c.seconds:.3g} s of rest, {c.low:.0f}° to {c.high:.0f}°"
-        )
         return TextTable(
             ("measure", "value", "95 % interval", "device’s angle", "unit", "verdict", "note"),
             tuple(rows),
-            above=(rests.replace("-", "−"), *c.findings),
+            above=rest_said(self.curve).lines,
             below=tuple(f"{', '.join(names)}: {why}" for why, names in missing.items()),
             numbers=("value", "95 % interval", "device’s angle"),
         )
@@ -253,20 +251,23 @@ def relaxed(
     for angle in angles:
         if not (is_number(angle) and abs(float(angle)) <= _MOST):
             raise InputError(f"angle {angle!r}: give degrees from −{_MOST:g} to {_MOST:g}")
-    inputs = [_inputs(each, mapping, corrections) for each in given]
-    with one_blas_thread():
-        curve = relaxed_curve(inputs, Laboratory.of(knowledge))
-        if not isinstance(curve, RelaxedCurve):
-            raise InputError(f"{inputs[0].where}: {curve}")
-        by_name = FrozenDict((m.name, m) for m in measures_of_rest(curve, angles))
+    settings = FitSettings.of(knowledge=knowledge)
+    measured = [_recording(each, mapping, corrections) for each in given]
+    try:
+        inputs = settings.inputs(parted(measured))  # as for a fit, which has the same curve
+    except InputError as error:
+        raise explained(error, measured) from None
+    curve = curve_of(inputs, Laboratory.of(settings))
+    if not isinstance(curve, RelaxedCurve):
+        raise InputError(f"{inputs[0].where}: {curve}")
+    by_name = FrozenDict((m.name, m) for m in measures_of_rest(curve, angles))
     return Relaxed(curve, by_name)
 
 
-def _inputs(
+def _recording(
     given: AnyRecording, mapping: PathLike | None, corrections: Mapping[str, Any]
-) -> ModelInputs:
-    """A recording, prepared as for a fit."""
+) -> Recording | ModelInputs:
+    """What was given; a file is read."""
     if isinstance(given, str) or hasattr(given, "__fspath__"):
-        return prepare(read(given, mapping=mapping, **corrections))  # type: ignore[arg-type]
-    recording = read_in(given)
-    return recording if isinstance(recording, ModelInputs) else prepare(recording)
+        return read(given, mapping=mapping, **corrections)  # type: ignore[arg-type]
+    return read_in(given)

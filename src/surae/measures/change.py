@@ -194,33 +194,38 @@ def compare_sessions(
     judged = {name: draft for name, (draft, _) in drafts.items()}
     compared = [name for name, draft in judged.items() if draft.p is not None]
     doubts = {name: _doubt(name, before, after, legs=legs) for name in compared}
-    for name, why in doubts.items():
-        if why is not None:
-            note = Message("change/no-verdict", why=why)
-            judged[name] = replace(judged[name], p=None, note=note)
     weights = _weights([name for name, why in doubts.items() if why is None])
     adjusted = holm({name: drafts[name][0].p or 0.0 for name in weights}, weights)
     for name, p in adjusted.items():
         judged[name] = _judged(*drafts[name], p, LEVEL * weights[name], legs=legs)
+    doubtful = {name: why for name, why in doubts.items() if why is not None}
+    for name, why in doubtful.items():
+        note = Message("change/no-verdict", why=why)
+        judged[name] = replace(judged[name], p=None, note=note)
     multiplicity = Message("change/holm", n=len(weights))
-    withheld = next(iter(doubts.values()), None) if not weights else None
-    if withheld is not None:
-        multiplicity = Message("change/none-judged", why=withheld)
+    first = next(iter(doubtful.values()), None)
+    if first is not None and not weights:
+        multiplicity = Message("change/none-judged", why=first)
+    elif first is not None:
+        multiplicity = Message("change/some-judged", n=len(weights), why=first)
     measures, parameters = (
         FrozenDict((n, d) for n, d in judged.items() if d.kind == kind)
         for kind in ("measure", "parameter")
     )
     repeated = len(baselines) + 1 if baselines else 0
-    return Change(
-        before, after, measures, parameters, multiplicity, repeated, legs, withheld is not None
-    )
+    none = bool(doubtful) and not weights
+    return Change(before, after, measures, parameters, multiplicity, repeated, legs, none)
 
 
-def _doubt(name: str, before: Quantities, after: Quantities, *, legs: bool) -> Message | None:
+def _doubt(name: str, before: Quantities, after: Quantities, *, legs: bool) -> str | None:
     """Which fits are doubtful of it: of unchanged pairs of a leg, such called one in four changed.
 
-    A doubt that does not touch a value does not withhold its change.
+    A doubt that does not touch a value does not withhold its change; what both have by rest alone
+    is not doubted with the fits.
     """
+    pair = [side.by_name[name] for side in (before, after)]
+    if all(q.basis == "rest" for q in pair):
+        return next((q.doubt for q in pair if q.doubt), None)
     places = ("first", "second") if legs else ("before", "after")
     doubtful = [
         Message(f"change/doubtful/{place}", reason=str(doubt))
@@ -309,6 +314,8 @@ def _obstacle(before: Quantities, after: Quantities, a: Quantity | None, b: Quan
         why = Message("change/options", names=", ".join(differing))
     elif a.from_deg is not None and abs(a.from_deg - (b.from_deg or 0.0)) > _RANGES:
         why = Message("change/ranges")
+    elif a.basis != b.basis:
+        why = Message("change/bases")
     elif a.unit != b.unit:
         why = Message("change/units", before=a.unit, after=b.unit)
     elif a.kind == "parameter" and before.model != after.model:

@@ -13,8 +13,11 @@ from surae.base.records import OrNaN
 from surae.base.words import Message
 from surae.inference import Adequacy, AssessedFit, FitResult, Grade
 from surae.inference.judging.reasons import Scope, scopes_of
+from surae.inference.relaxed.curve import RelaxedCurve
+from surae.measures.at_rest import relaxed_of
 from surae.measures.compute import (
     ANGLES,
+    Evaluated,
     disputed,
     extrapolated,
     judged_measures,
@@ -22,6 +25,7 @@ from surae.measures.compute import (
     rests_on,
 )
 from surae.measures.leg import leg_of
+from surae.measures.measure import Measure
 from surae.measures.table import ELECTRODES, LEADING
 from surae.model.laboratory import group_of
 
@@ -57,6 +61,8 @@ class Quantity:
     #: Whether it can be pooled with other legs although no two sessions are compared by it.
     is_comparable_between_legs: bool = False
     rests_on: tuple[Scope, ...] = ()  #: What of the fit touches it; empty where all does.
+    basis: str = "model"  #: As of `Measure`; what is by rest alone is not doubted with the fit.
+    doubt: str = ""  #: Why differences of one by rest alone are shown and not judged.
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +114,9 @@ def quantities(
         common = m.name in LEADING and math.isfinite(end)
         if common or (alone == ELECTRODES and has_reference):
             alone = ""
+        if m.basis == "rest":
+            by_name[m.name] = _of_rest(evaluated, m, alone, fit)
+            continue
         if m.value is None or m.ci95 is None:
             deviations = _NONE
             why = inadequate or m.note
@@ -136,7 +145,25 @@ def quantities(
             is_comparable_between_legs=between,
             rests_on=tuple(sorted(rests_on(evaluated, fit))),
         )
-    for name in known.names if not only else ():
+    if not only:
+        by_name |= _parameters(fit, inadequate, has_reference=has_reference)
+    options = {n: v for n, v in problem.options.as_dict().items() if n != "emg_ref"}
+    return Quantities(
+        problem.spec.name,
+        FrozenDict(options),
+        adequacy,
+        tuple(recording.name for recording in problem.inputs),
+        FrozenDict(by_name),
+    )
+
+
+def _parameters(fit: AssessedFit, inadequate: str, *, has_reference: bool) -> dict[str, Quantity]:
+    """The leg's parameters of a fit, whose EMG may have a reference in contractions."""
+    problem = fit.result.problem
+    assessment = fit.assessment
+    known = assessment.uncertainty
+    by_name: dict[str, Quantity] = {}
+    for name in known.names:
         if group_of(name) is not None or name not in assessment.parameters:
             continue
         p = assessment.parameters[name]
@@ -162,11 +189,31 @@ def quantities(
             (p.lower, p.upper),
             rests_on=tuple(sorted(scopes_of([(name, p.group, 1.0)]))),
         )
-    options = {n: v for n, v in problem.options.as_dict().items() if n != "emg_ref"}
-    return Quantities(
-        problem.spec.name,
-        FrozenDict(options),
-        adequacy,
-        tuple(recording.name for recording in problem.inputs),
-        FrozenDict(by_name),
+    return by_name
+
+
+def _of_rest(evaluated: Evaluated, m: Measure, alone: str, fit: AssessedFit) -> Quantity:
+    """A measure by rest alone: no parameter and no doubt of the fit is in it."""
+    assert evaluated.deviations is not None
+    curve = relaxed_of(fit.result)
+    doubt = ""
+    if isinstance(curve, RelaxedCurve) and curve.grade is not Grade.ADEQUATE:
+        doubt = Message("change/rest-doubtful", reason=curve.findings[0])
+    total, session = evaluated.deviations
+    worded = fit.result.problem.options.anatomy.worded
+    return Quantity(
+        m.name,
+        m.unit,
+        m.meaning,
+        "measure",
+        m.value,
+        total,
+        session,
+        0.0,
+        Message(alone, worded) if alone else "",
+        from_deg=m.from_deg,
+        to_deg=m.to_deg,
+        is_comparable_between_legs=bool(alone),
+        basis=m.basis,
+        doubt=doubt,
     )

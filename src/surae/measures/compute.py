@@ -14,13 +14,17 @@ from surae.base.plugins import plugins
 from surae.base.setting import is_number
 from surae.base.units import FloatArray
 from surae.base.words import Message
-from surae.inference import AssessedFit, FitResult, Verdict
+from surae.inference import AssessedFit, FitResult, Grade, Verdict
 from surae.inference.judging.parameter import percent
 from surae.inference.judging.reasons import OF_STIFFNESS, Scope, scopes_of
 from surae.inference.judging.verdict import ANGLE, PART, verdict_of
-from surae.inference.uncertainty.combined import Uncertainty
+from surae.inference.relaxed.curve import RelaxedCurve
+from surae.inference.uncertainty.combined import ZERO, Uncertainty
+from surae.measures.at_rest import measures_at, relaxed_of, rest_said
+from surae.measures.conflict import LEVEL, compared_angles, disagreement
 from surae.measures.leg import Leg, NotDefinedError, leg_of, measured_range, of_any_path
 from surae.measures.measure import Measure, Measures
+from surae.measures.rest import RestMeasure
 from surae.measures.table import DEFINITIONS, Definition
 from surae.model import ModelOptions, get_model, with_optional
 from surae.model.laboratory import OUTSIDE, group_of
@@ -39,6 +43,21 @@ _LACKING = 0.02
 _STEP = 1e-3
 #: Degrees beyond the measured range that still count as measured.
 _BEYOND = 0.5
+#: How those begin that are of the fit's relaxed tissue.
+_OF_TISSUE = (
+    "end_stiffness",
+    "end_torque",
+    "torque_rise",
+    "passive_",
+    "slow_",
+    "quick_stiffness",
+    "neutral_angle",
+    "slack_",
+    "range_at_torque",
+    "stiffness_at_torque",
+    "hysteresis",
+    "dissipated_energy",
+)
 #: Part of the variance that comes through a parameter at its bound, from which that is reported.
 _BOUND = 0.25
 
@@ -74,6 +93,9 @@ class Evaluated:
     value: float | None  #: None where there is none, for the reason `missing`.
     gradient: FloatArray  #: By the free parameters, shape (p,).
     missing: Message | None = None  #: Why it has no value or no interval.
+    #: Of one by rest alone, on which no parameter acts: its standard deviation, and that of what
+    #: another session draws anew.
+    deviations: tuple[float, float] | None = None
 
 
 def points(angles: Sequence[float] = ANGLES, end: float = math.inf) -> tuple[MeasurePoint, ...]:
@@ -138,14 +160,70 @@ def measures(fit: AssessedFit, angles: Sequence[float] = ANGLES) -> Measures:
     """All measures of a fit, those of angles at these [deg]; what it lacks has a reason instead."""
     judged = judged_measures(fit, points(angles))
     by_name = FrozenDict((measure.name, measure) for _, measure in judged)
-    return Measures(fit.result.problem.spec.name, fit.assessment.adequacy, by_name)
+    rest = rest_said(relaxed_of(fit.result), two_tissues(fit))
+    return Measures(fit.result.problem.spec.name, fit.assessment.adequacy, by_name, rest)
 
 
 @lru_cache(maxsize=4)  # pages, comparisons and answers are often of the same fit
 def judged_measures(
     fit: AssessedFit, wanted: tuple[MeasurePoint, ...]
 ) -> tuple[tuple[Evaluated, Measure], ...]:
+    """All these measures of a fit: by rest alone what its rest tells, the others by its model."""
+    curve = relaxed_of(fit.result)
+    if not isinstance(curve, RelaxedCurve):
+        return _by_model(fit, wanted)
+    angles = tuple(dict.fromkeys(p.at for p in wanted if p.definition.at == "deg"))
+    end = next((p.at for p in wanted if p.definition.span), math.inf)
+    own = {each.measure.name: each for each in measures_at(curve, fit.result, angles, end)}
+    others = tuple(point for point in wanted if point.name not in own)
+    why = two_tissues(fit)
+    modelled = {each.point: (each, _doubted(m, why)) for each, m in _by_model(fit, others)}
+    size = len(fit.assessment.uncertainty.names)
+    return tuple(modelled.get(p) or _by_rest(p, own[p.name], size) for p in wanted)
+
+
+@lru_cache(maxsize=4)
+def two_tissues(fit: AssessedFit) -> Message | None:
+    """That rest and the fit tell two tissues, where they do; see `surae.measures.conflict`."""
+    curve = relaxed_of(fit.result)
+    if not isinstance(curve, RelaxedCurve) or curve.grade is not Grade.ADEQUATE:
+        return None
+    angles = compared_angles(curve)
+    (torque,) = (each for each in DEFINITIONS if each.name == "slow_torque")
+    at = [MeasurePoint(torque, float(angle) + curve.zero_deg) for angle in angles]
+    known = fit.assessment.uncertainty
+    told = evaluate(fit.result, known, at) if at and known.lost != known.names else ()
+    values = [each.value for each in told if each.value is not None and not each.missing]
+    if not told or len(values) < len(at):
+        return None
+    rows = np.array([np.where(np.array(known.names) == ZERO, 0.0, e.gradient) for e in told])
+    p = disagreement(curve, angles, values, rows @ known.covariance() @ rows.T)
+    return Message("rest/two-tissues") if p < LEVEL else None
+
+
+def _doubted(m: Measure, why: Message | None) -> Measure:
+    """A measure of the fit's relaxed tissue, which rest contradicts; others as they are."""
+    base = m.name.partition("@")[0]
+    if why is None or m.ci95 is None or not base.startswith(_OF_TISSUE):
+        return m
+    return replace(m, verdict=Verdict.UNDETERMINED, note=why)
+
+
+def _by_rest(point: MeasurePoint, told: RestMeasure, size: int) -> tuple[Evaluated, Measure]:
+    """A measure by rest alone, which none of so many parameters moves."""
+    assert told.total is not None
+    assert told.session is not None
+    deviations = told.total, told.session
+    evaluated = Evaluated(point, told.measure.value, np.zeros(size), deviations=deviations)
+    return evaluated, told.measure
+
+
+def _by_model(
+    fit: AssessedFit, wanted: tuple[MeasurePoint, ...]
+) -> tuple[tuple[Evaluated, Measure], ...]:
     """All these measures of a fit, each with its derivatives."""
+    if not wanted:
+        return ()
     evaluated = evaluate(fit.result, fit.assessment.uncertainty, wanted)
     drawn = _drawn(fit.result, fit.assessment.uncertainty, evaluated)
     return tuple((each, _measure(each, drawn.get(each.point.name), fit)) for each in evaluated)
@@ -404,7 +482,7 @@ def extrapolated(evaluated: Evaluated, result: FitResult) -> Message | None:
     if definition.at == "s":
         longest = max(float(i.time[-1] - i.time[0]) for i in result.problem.inputs)
         return None if at <= longest else Message("beyond/time", seconds=longest)
-    if definition.at not in ("N", "Nm"):
+    if definition.at not in ("N", "Nm") or definition.name == "stiffness_at_torque":
         return None
     leg = leg_of(result)
     group = "tib" if definition.name.endswith("_tib") else "tri"

@@ -13,7 +13,7 @@ from surae.base.formatting import in_a_line, of_interval
 from surae.base.frozen import FrozenDict
 from surae.base.records import to_plain
 from surae.base.tables import Tabular, TextTable
-from surae.inference import Adequacy, Verdict
+from surae.inference import Adequacy, Grade, Verdict
 
 
 @filed("name", sparse=("from_deg", "to_deg", "ci95_device"))
@@ -53,6 +53,27 @@ class Measure:
         )
 
 
+@dataclass(frozen=True, slots=True)
+class RestSaid:
+    """What rest in the recordings says, as a whole."""
+
+    grade: Grade | None = None  #: Of its curve, by rest alone; None where there is none.
+    seconds: float = 0.0  #: Of rest.
+    range_deg: tuple[float, float] | None = None  #: Angles of it by the device [deg].
+    findings: tuple[str, ...] = ()  #: What was met, the gravest first.
+    missing: str = ""  #: Why there is no curve.
+    conflict: str = ""  #: What the muscles' fit says otherwise; it speaks against that alone.
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """What tables say above their rows."""
+        if self.grade is None or self.range_deg is None:
+            return (f"relaxed ankle: by the model alone; {self.missing}",) if self.missing else ()
+        low, high = (f"{each:.0f}°".replace("-", "−") for each in self.range_deg)
+        rests = f"relaxed ankle: {self.grade}; {self.seconds:.3g} s of rest, {low} to {high}"
+        return (rests, *self.findings, *filter(None, [self.conflict]))
+
+
 @dataclass(frozen=True, slots=True, repr=False)
 class Measures(Tabular, Mapping[str, Measure]):
     """The measures of a fit by name.
@@ -65,11 +86,14 @@ class Measures(Tabular, Mapping[str, Measure]):
         Of the fit; an inadequate one identifies no measure.
     by_name : mapping of str to Measure
         In the order of the table.
+    rest : RestSaid
+        What speaks for or against those with ``basis="rest"``, which the fit has no part in.
     """
 
     model: str
     adequacy: Adequacy
     by_name: FrozenDict[str, Measure]
+    rest: RestSaid = RestSaid()
 
     def __getitem__(self, name: str) -> Measure:
         return self.by_name[name]
@@ -95,11 +119,13 @@ class Measures(Tabular, Mapping[str, Measure]):
                 missing.setdefault(m.note, []).append(m.name)
             else:
                 text = of_interval(m.value, m.ci95)
-                rows.append((m.name, text.value, text.interval, m.unit, str(m.verdict), m.note))
+                judged = (str(m.verdict), m.basis, m.note)
+                rows.append((m.name, text.value, text.interval, m.unit, *judged))
+        of_fit = (f"{self.model}: {self.adequacy.grade}", *self.adequacy.reasons)
         return TextTable(
-            ("measure", "value", "95 % interval", "unit", "verdict", "note"),
+            ("measure", "value", "95 % interval", "unit", "verdict", "by", "note"),
             tuple(rows),
-            above=(f"{self.model}: {self.adequacy.grade}", *self.adequacy.reasons),
+            above=(*of_fit, *self.rest.lines),
             below=tuple(f"{', '.join(names)}: {why}" for why, names in missing.items()),
             numbers=("value", "95 % interval"),
         )
@@ -113,6 +139,7 @@ class Measures(Tabular, Mapping[str, Measure]):
             "surae": __version__,
             "model": self.model,
             "adequacy": adequacy,
+            "rest": to_plain(self.rest),
             "measures": measures,
         }
 
@@ -150,6 +177,9 @@ class Measures(Tabular, Mapping[str, Measure]):
             "verdict",
             "note",
             "meaning",
+            "basis",
+            "ci95_device_low",
+            "ci95_device_high",
         )
         none = (None, None)
         return csv_row(head) + "".join(
@@ -163,6 +193,8 @@ class Measures(Tabular, Mapping[str, Measure]):
                     str(m.verdict),
                     m.note,
                     m.meaning,
+                    m.basis,
+                    *(m.ci95_device or none),
                 )
             )
             for m in self.values()

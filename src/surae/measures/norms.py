@@ -108,8 +108,6 @@ def placed(measures: Measures, norms: Sequence[Norm]) -> tuple[Placed, ...]:
         In the order of the norms; what is not even weakly known, or of an inadequate fit, is not
         there.
     """
-    if measures.adequacy.grade is Grade.INADEQUATE:
-        return ()
     from scipy.special import stdtr
 
     among = []
@@ -118,6 +116,8 @@ def placed(measures: Measures, norms: Sequence[Norm]) -> tuple[Placed, ...]:
         told = (Verdict.IDENTIFIED, Verdict.WEAK)
         usable = m is not None and m.verdict in told and m.unit == norm.unit
         if m is None or not usable or m.value is None or m.ci95 is None:
+            continue
+        if m.basis == "model" and measures.adequacy.grade is Grade.INADEQUATE:
             continue
         own = standard_error_of(m.ci95)
         scale = math.sqrt(norm.sd**2 * (1.0 + 1.0 / norm.n) + own**2)

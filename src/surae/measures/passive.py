@@ -1,5 +1,7 @@
 """Measures of a leg at rest: what its tissue does when nothing is active."""
 
+import math
+
 import numpy as np
 
 from surae.base.errors import ComputationError
@@ -21,6 +23,11 @@ _FROM = -20.0
 _TO = 10.0
 _SPEED = 10.0
 _RATE = 50.0
+#: The slow stretch to the end of the range and back: from [deg], degrees between two samples, and
+#: its speed [deg/s].
+_LOOP_FROM = -30.0
+_LOOP_STEP = 0.5
+_LOOP_SPEED = 5.0
 
 
 def at_end(leg: Leg, end: float) -> tuple[float, float]:
@@ -176,6 +183,30 @@ def neutral_angle(leg: Leg, _: float) -> float:
     return float(brentq(lambda angle: passive_torque(leg, angle), _LOWEST, _HIGHEST, xtol=1e-8))
 
 
+def range_at_torque(leg: Leg, at: float) -> float:
+    """Angle of the ankle at which its relaxed torque is so large.
+
+    passive_torque = T, within the range that was moved.
+    """
+    from scipy.optimize import brentq
+
+    low, high = _LOWEST, _HIGHEST
+    if leg.moved is not None:
+        low, high = map(leg.turned, leg.range_to(math.inf))
+    beyond = [passive_torque(leg, angle) - at for angle in (low, high)]
+    if not beyond[0] < 0.0 < beyond[1]:
+        raise NotDefinedError("none/torque-beyond", torque=at, low=low, high=high)
+    return float(brentq(lambda angle: passive_torque(leg, angle) - at, low, high, xtol=1e-6))
+
+
+def stiffness_at_torque(leg: Leg, at: float) -> float:
+    """Stiffness of the relaxed ankle at the angle where its relaxed torque is so large.
+
+    passive_stiffness at range_at_torque: no zero of the angle is in it.
+    """
+    return passive_stiffness(leg, range_at_torque(leg, at))
+
+
 def slack_angle(leg: Leg, _: float, group: str) -> float:
     """Angle {beyond} which the {muscles} {begin} to pull: at {their} slack length.
 
@@ -197,6 +228,30 @@ def relaxed_share(leg: Leg, at: float) -> float:
     k = leg.values["k_rel"]
     tau = leg.values["tau_rel"]
     return 100.0 * k / (1.0 + k) * -float(np.expm1(-(1.0 + k) * at / tau))
+
+
+def slow_loop(leg: Leg, end: float) -> tuple[float, float]:
+    """What `hysteresis` is taken over [deg]."""
+    return _LOOP_FROM, leg.range_to(end)[1]
+
+
+def hysteresis(leg: Leg, end: float) -> float:
+    """Energy that the relaxed ankle takes from a slow stretch and its return, as part of the work.
+
+    100·∮T dθ/∫(T − T₀) dθ of the way there, at 5°/s from −30° to the end of the dorsiflexion that
+    was moved (to half a degree) and back, T₀ the torque at its start.
+    """
+    last = leg.turned(leg.range_to(end)[1])
+    count = round((last - _LOOP_FROM) / _LOOP_STEP)
+    if count * _LOOP_STEP < _LAST:
+        raise NotDefinedError("none/stretch", low=_LOOP_FROM, high=last)
+    there = _LOOP_FROM + _LOOP_STEP * np.arange(count + 1)
+    angle = np.concatenate([there, there[-2::-1]])
+    torque = leg.passive_torque(angle.tolist(), _LOOP_SPEED / _LOOP_STEP)
+    between = 0.5 * (torque[1:] + torque[:-1]) - torque[0]
+    steps = np.diff(angle)
+    work = float(between @ np.maximum(steps, 0.0))
+    return 100.0 * float(between @ steps) / work if work > 0.0 else math.nan
 
 
 def dissipated_energy(leg: Leg, _: float) -> float:

@@ -1,11 +1,13 @@
 """Measures of a leg by its rest alone: torque and stiffness of its relaxed curve."""
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
+from surae.base.normal import standard_error_of
 from surae.base.units import FloatArray
 from surae.base.words import Message
 from surae.inference import Grade, Verdict
@@ -32,7 +34,8 @@ _LAST = 10.0
 #: Rest may miss an end of the range that was moved by so many degrees.
 _REACHES = 1.5
 #: Part of the zero's error that an end of the range has: where the movement ended is not where the
-#: zero is, but the foot turns on its plate on the way there; assumed. Without it 86 % hold.
+#: zero is, but the foot turns on its plate on the way there; assumed. (A sketch without it had 86 %
+#: of its intervals hold, on legs of another generator; what of that the zero is was not counted.)
 _AT_ENDS = 0.5
 #: Degrees from the start of a slow stretch before it tells a slope.
 _ON_ITS_WAY = 10.0
@@ -60,9 +63,22 @@ class _Asked:
     #: Values with the angle's zero as known, and as unsure as it is; shape (n,).
     device: FloatArray | None = None
     ankle: FloatArray | None = None
+    #: Power of `PossibleLegs.scale` in both; 0 where it is in them some other way.
+    power: float = 1.0
     missing: Message | None = None
     at_angle: bool = False
     span: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class RestMeasure:
+    """A measure of rest, and what comparisons need of it."""
+
+    measure: Measure
+    #: Standard deviations: everything included; what another session draws anew, which is all but
+    #: what the equations leave out of this leg; None where there is no interval.
+    total: float | None = None
+    session: float | None = None
 
 
 def measures_of_rest(
@@ -71,11 +87,27 @@ def measures_of_rest(
     """All measures of a relaxed curve, at angles [deg] of the ankle's own where they have one.
 
     Values and 95 % intervals are the median and quantiles of the legs that rest leaves possible,
-    the error of the angle's zero in them; `ci95_device` is without it.
+    the error of the angle's zero in them; `ci95_device` is without it. `ci95_repeat` is that of
+    another trial of the leg, with as long a rest and mounted alike: the difference of two posterior
+    draws of it, in which neither the zero nor what the equations leave out differs. What both know
+    beforehand, as of the foot's weight, counts as drawn anew, so that it is too wide if anything.
     """
+    return tuple(each.measure for each in rated_measures(curve, angles))
+
+
+def rated_measures(
+    curve: RelaxedCurve, angles: Sequence[float], end: float = math.inf
+) -> tuple[RestMeasure, ...]:
+    """The same with what comparisons need; the range ends at `end` by the device [deg]."""
     legs = curve.draws()
-    asked = [*_at_angles(curve, legs, angles), *_of_range(curve, legs), *_of_time(curve, legs)]
-    return tuple(_measure(each, curve, legs.share) for each in asked)
+    moved = (curve.moved[0], min(curve.moved[1], end))
+    asked = [
+        *_at_angles(curve, legs, angles),
+        *_of_range(curve, legs, moved),
+        *_at_torques(curve, legs),
+        *_of_time(curve, legs, moved),
+    ]
+    return tuple(_measure(each, curve, legs) for each in asked)
 
 
 def _at_angles(
@@ -138,8 +170,10 @@ def _withheld(curve: RelaxedCurve, at: float, slow: bool) -> Message | None:
     return Message("none/rest-beyond", degrees=at, low=curve.low, high=curve.high)
 
 
-def _of_range(curve: RelaxedCurve, legs: PossibleLegs) -> Iterator[_Asked]:
-    low, high = curve.moved
+def _of_range(
+    curve: RelaxedCurve, legs: PossibleLegs, moved: tuple[float, float]
+) -> Iterator[_Asked]:
+    low, high = moved
     last = max(low, high - _LAST)
     ends = {
         "end_torque": (
@@ -180,7 +214,6 @@ def _of_range(curve: RelaxedCurve, legs: PossibleLegs) -> Iterator[_Asked]:
                 value = value / (span[1] - span[0])
             made.append(legs.scale * value)
         yield replace(bare, device=made[0], ankle=made[1])
-    yield from _at_torques(curve, legs)
 
 
 def _at_torques(curve: RelaxedCurve, legs: PossibleLegs) -> Iterator[_Asked]:
@@ -208,7 +241,7 @@ def _at_torques(curve: RelaxedCurve, legs: PossibleLegs) -> Iterator[_Asked]:
         else:
             at = _crossing(degrees, torque, wanted)
             own = at + curve.zero_deg
-            bare = replace(bare, device=own, ankle=own + legs.zero)
+            bare = replace(bare, device=own, ankle=own + legs.zero, power=0.0)
             slope = legs.scale * _relaxed_stiffness(curve, legs, at)
             stiff = replace(stiff, device=slope, ankle=slope)
         yield bare
@@ -227,37 +260,42 @@ def _crossing(degrees: FloatArray, torque: FloatArray, wanted: float) -> FloatAr
     return made
 
 
-def _of_time(curve: RelaxedCurve, legs: PossibleLegs) -> Iterator[_Asked]:
+def _of_time(
+    curve: RelaxedCurve, legs: PossibleLegs, moved: tuple[float, float]
+) -> Iterator[_Asked]:
     """What relaxes, and what a stretch to and fro takes."""
     gone = 1.0 - np.exp(-_RELAXED / np.array(TAUS))
     share = 100.0 * (legs.gamma @ gone) / (1.0 + legs.gamma.sum(axis=1))
-    share = share * legs.scale ** (_SHARE_LEFT_OUT / LEFT_OUT)
+    power = _SHARE_LEFT_OUT / LEFT_OUT
+    share = share * legs.scale**power
     yield _Asked(
         f"relaxed_share@{_RELAXED:g}s",
         "%",
         "Part of a sudden stretch's torque that has relaxed after some seconds.",
         device=share,
         ankle=share,
+        power=power,
     )
     loop = _Asked(
         "hysteresis",
         "%",
         "Energy that the relaxed ankle takes from a slow stretch from −30° to the end of the "
         "dorsiflexion that was moved and back, at 5°/s, as a part of the work of the way there.",
-        span=(SLOW_FROM, curve.moved[1]),
+        span=(SLOW_FROM, moved[1]),
     )
-    if curve.high < curve.moved[1] - _REACHES or curve.high < SLOW_FROM + _ON_ITS_WAY:
-        low, high = curve.moved
+    low, high = moved
+    if curve.high < high - _REACHES or high < SLOW_FROM + _ON_ITS_WAY:
         why = Message("none/rest-short", low=curve.low, high=curve.high, first=low, last=high)
         yield replace(loop, missing=why)
         return
-    lost = _hysteresis(curve, legs) * legs.scale ** (_LOOP_LEFT_OUT / LEFT_OUT)
-    yield replace(loop, device=lost, ankle=lost)
+    power = _LOOP_LEFT_OUT / LEFT_OUT
+    lost = _hysteresis(curve, legs, high) * legs.scale**power
+    yield replace(loop, device=lost, ankle=lost, power=power)
 
 
-def _hysteresis(curve: RelaxedCurve, legs: PossibleLegs) -> FloatArray:
-    """100·∮T dθ/∫(T − T₀) dθ of the way there, T₀ the torque at its start."""
-    elastic, lagging, angle = _loop_features(curve.low, curve.high, curve.moved[1])
+def _hysteresis(curve: RelaxedCurve, legs: PossibleLegs, end: float) -> FloatArray:
+    """100·∮T dθ/∫(T − T₀) dθ of the way to `end` [deg], T₀ the torque at its start."""
+    elastic, lagging, angle = _loop_features(curve.low, curve.high, end)
     torque = legs.weights @ elastic.T
     for k, each in enumerate(lagging):
         torque = torque + legs.gamma[:, [k]] * (legs.weights @ each.T)
@@ -314,7 +352,7 @@ def _quantiles(values: FloatArray, share: FloatArray) -> tuple[float, float, flo
     return float(low), float(middle), float(high)
 
 
-def _measure(asked: _Asked, curve: RelaxedCurve, share: FloatArray) -> Measure:
+def _measure(asked: _Asked, curve: RelaxedCurve, legs: PossibleLegs) -> RestMeasure:
     bare = Measure(
         asked.name,
         asked.unit,
@@ -329,24 +367,31 @@ def _measure(asked: _Asked, curve: RelaxedCurve, share: FloatArray) -> Measure:
     if asked.span is not None:
         bare = replace(bare, from_deg=asked.span[0], to_deg=asked.span[1])
     if asked.device is None or asked.ankle is None:
-        return bare
+        return RestMeasure(bare)
     there = np.isfinite(asked.device) & np.isfinite(asked.ankle)
-    if share[there].sum() < _REACHING:
-        return replace(bare, note=Message("measure/lacking"))
-    own = share[there] / share[there].sum()
-    first, value, last = _quantiles(asked.device[there], own)
-    low, _, high = _quantiles(asked.ankle[there], own)
-    verdict, note = _judged(value, (low, high), asked.unit, curve)
-    return replace(
+    if legs.share[there].sum() < _REACHING:
+        return RestMeasure(replace(bare, note=Message("measure/lacking")))
+    share = legs.share[there] / legs.share[there].sum()
+    same = legs.scale[there] ** asked.power  # what the equations leave out of this leg
+    first, value, last = _quantiles(asked.device[there], share)
+    low, _, high = _quantiles(asked.ankle[there], share)
+    ci95 = (min(low, first), max(high, last))  # the zero makes nothing surer
+    verdict, note = _judged(value, ci95, asked.unit, curve)
+    anew = math.sqrt(2.0)
+    begin, middle, end = _quantiles(asked.device[there] / same, share)
+    own, _, other = _quantiles(asked.ankle[there] / same, share)
+    made = replace(
         bare,
         value=value,
-        ci95=(min(low, first), max(high, last)),  # the zero makes nothing surer
-        ci95_repeat=(first, last),
+        ci95=ci95,
+        ci95_repeat=(value - anew * (middle - begin), value + anew * (end - middle)),
         ci95_device=(first, last) if asked.at_angle else None,
         verdict=verdict,
         note=note,
         method="draws",
     )
+    session = standard_error_of((min(own, begin), max(other, end)))
+    return RestMeasure(made, standard_error_of(ci95), session)
 
 
 def _judged(

@@ -204,6 +204,16 @@ DEFINITIONS: tuple[Definition, ...] = (
     _D("slow_stiffness", "Nm/deg", passive.slow_stiffness, "deg"),
     _D("neutral_angle", "deg", passive.neutral_angle, is_angle=True),
     *_pair("slack_angle", "deg", passive.slack_angle, is_angle=True),
+    _D(
+        "range_at_torque",
+        "deg",
+        passive.range_at_torque,
+        "Nm",
+        (5.0, 10.0, 12.0, 15.0),
+        is_angle=True,
+    ),
+    _D("stiffness_at_torque", "Nm/deg", passive.stiffness_at_torque, "Nm", (10.0,)),
+    _moved("hysteresis", "%", passive.hysteresis, passive.slow_loop),
     _D("relaxed_share", "%", passive.relaxed_share, "s", (10.0,)),
     _D("dissipated_energy", "mJ", passive.dissipated_energy),
     *_pair(

@@ -10,10 +10,10 @@ from surae.base.units import FloatArray
 from surae.nerve.cascade import Structure
 from surae.nerve.fitting import Fitted, Noise, Problem, noise_of, solved
 from surae.nerve.judged import INTRINSIC, REFLEX, Judged, Number, parameter, share
+from surae.nerve.other_structures import BETTER, PLAIN, RELAXING, OtherStructures
 from surae.nerve.piece import Piece
 from surae.nerve.presence import Weighed, bound, first_shape, shapes, weigh
 from surae.nerve.response import free_noise, lagged
-from surae.nerve.other_structures import BETTER, PLAIN, RELAXING, OtherStructures
 
 #: z of a trend, and of the scatter over tens of seconds, from which stiffness is said to change.
 CHANGING = 3.0

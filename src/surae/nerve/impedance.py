@@ -16,10 +16,10 @@ from surae.nerve.cascade import BOUNDS, muscle
 from surae.nerve.fitting import Fitted, Problem, noise_of
 from surae.nerve.identify import CHANGING, Cascade, identify
 from surae.nerve.judged import INTRINSIC, Judged, Number
+from surae.nerve.other_structures import MISFIT, PLAIN
 from surae.nerve.piece import Piece
 from surae.nerve.presence import LEAST_SHARE, NATS, NONE_SEEN, OVER_NONE, OVER_OTHER, Weighed
 from surae.nerve.response import falls_short, lags, predicted, responses
-from surae.nerve.other_structures import MISFIT, PLAIN
 from surae.nerve.samples import Samples, measured, usable
 from surae.nerve.triggered import answering
 from surae.recording import Recording

@@ -97,7 +97,9 @@ class Judges:
     precision: Mapping[str, Any] = FrozenDict()  #: As of `expected`.
 
 
-def make_design(asked: Asked, judges: Judges, budget: SearchBudget, start: Ready | None = None) -> Design:
+def make_design(
+    asked: Asked, judges: Judges, budget: SearchBudget, start: Ready | None = None
+) -> Design:
     """Search a protocol from `start`, hold it to the device, and judge it.
 
     Where the device cannot do it, the message says what to give up.

@@ -31,6 +31,7 @@ from surae.report.figures import Figure
 from surae.report.figures.leg import shares_bar, stiffness_figure
 from surae.report.language import Words
 from surae.report.nerve_card import nerve_card
+from surae.report.rest_card import rest_card, stated_angle
 from surae.trials import Trial
 
 #: The angle that stiffness is given at where it was measured [deg].
@@ -70,6 +71,7 @@ def leg_answers(
     if joint is not None:
         angles = {at, *ANGLES, *(_point(norm) for norm in known)}
         of_fit = measures(joint, sorted(angles))
+        at = stated_angle(of_fit, at)
     m = None if of_fit is None else of_fit[LEADING[0]]
     disputed = None if joint is None else disputes(joint)
     told = m is not None and (leg_cards.is_known(m) or (disputed and m.ci95 is not None))
@@ -105,6 +107,11 @@ def leg_answers(
     picture = leg_cards.stiffness_picture(
         len(holds), len(stretches), zero, _, without_weight=model is not None
     )
+    if joint is not None and of_fit is not None:
+        by_rest = rest_card(joint, of_fit, at, known, _)
+        if by_rest is not None:
+            stiff, picture = by_rest.said, by_rest.picture
+            figures["stiffness"] = by_rest.figure
     nerves = []
     if nerve is not None:
         card, drawn = nerve_card(nerve, _)

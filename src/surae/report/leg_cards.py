@@ -46,7 +46,15 @@ def modelled_stiffness(
     assert m.value is not None
     value, span = _.estimate(m.value, m.ci95)
     where = _("{range}, relaxed · 95 %: {span}", range=over(m, _), span=span)
-    lines = [block.Text(where, "say", f"{value} Nm/°")]
+    lines = [block.Text(where, "say", f"{value} Nm/°"), *norm_lines(of_fit, known, _)]
+    if slope is not None:
+        lines.append(block.Text(_("Measured slope: {slope}.", slope=slope_text(slope, _))))
+    return tuple(lines)
+
+
+def norm_lines(of_fit: Measures, known: Sequence[Norm], _: Words) -> list[block.Text]:
+    """Where a leg's measures lie among healthy ones, or among others where there are none."""
+    lines = []
     groups = [norm for norm in known if "healthy" in norm.group] or known
     for p in placed(of_fit, groups):
         own, _span = _.estimate(p.value, of_fit[p.norm.measure].ci95)
@@ -65,9 +73,7 @@ def modelled_stiffness(
                 "note",
             )
         )
-    if slope is not None:
-        lines.append(block.Text(_("Measured slope: {slope}.", slope=slope_text(slope, _))))
-    return tuple(lines)
+    return lines
 
 
 def measured_stiffness(

@@ -73,7 +73,7 @@ def _curve(
     means = np.array([part.mode.z for part in estimate.parts])
     covariances = np.array([part.mode.covariance() for part in estimate.parts])
     context = _context(columns.names, shares, means[:, inner:], covariances[:, inner:, inner:])
-    angles = np.degrees(np.concatenate([trial.angle for trial in trials]))
+    angles = np.degrees(np.concatenate([trial.angle[trial.counts] for trial in trials]))
     moved = tuple(float(q) for q in np.quantile(angles, _ENDS))
     largest = max(estimate.parts, key=lambda part: part.share)
     data = estimate.data
@@ -107,6 +107,7 @@ def _curve(
         grade,
         tuple(message for _, message in sorted(found, key=lambda each: not each[0])),
         _samples(estimate, (shares @ means)[inner:]),
+        estimate.rest.by == "declared",
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from surae.base.units import FloatArray
 from surae.inference.relaxed.regressors import SHARED, TAUS
-from surae.model.knowledge import Knowledge
+from surae.settings import FitSettings
 
 #: Weight of foot and plate at a lever of 0.15 m [Nm]: 1.9 ± 0.3 kg (thesis, bounds 1.2 to 3 kg).
 _WEIGHT = (2.8, 0.45)
@@ -54,15 +54,15 @@ class Laboratory:
     zero_deg: float = 0.0
     zero_sd: float = _ANGLE_ZERO
     plate_known: bool = False  #: Whether the plate was tared, or taken off.
+    foot_rad: float = 0.0  #: Angle of the foot to the horizontal at 0 rad, equation (7).
 
     @classmethod
-    def of(cls, knowledge: Knowledge | None) -> "Laboratory":
-        """What a session's knowledge says."""
-        if knowledge is None:
-            return cls()
-        stated = knowledge.statements.get("angle_zero")
-        zero, sd = (0.0, _ANGLE_ZERO) if stated is None else stated.numbers[""]
-        return cls(zero, sd, knowledge.plate is not None)
+    def of(cls, settings: FitSettings) -> "Laboratory":
+        """What settings of a fit say, and a session's knowledge in them."""
+        stated = settings.stated_zero
+        zero = math.degrees(settings.fixed.get("angle_zero", 0.0)) if stated is None else stated[0]
+        known = settings.knowledge is not None and settings.knowledge.plate is not None
+        return cls(zero, settings.zero_sd, known, settings.options.theta_foot)
 
 
 #: A laboratory of which nothing is known.
@@ -77,6 +77,7 @@ class Hypothesis:
     reflex: bool
     apart: bool  #: Whether each trial has a zero of its own.
     odds: float
+    foot_rad: float = 0.0  #: As of `Laboratory`.
 
 
 def hypotheses(laboratory: Laboratory, trials: int) -> tuple[Hypothesis, ...]:
@@ -86,7 +87,7 @@ def hypotheses(laboratory: Laboratory, trials: int) -> tuple[Hypothesis, ...]:
     reflexes = {False: 1.0 - _ODDS_REFLEX, True: _ODDS_REFLEX}
     zeros = {False: 1.0 - _ODDS_APART, True: _ODDS_APART} if trials > 1 else {True: 1.0}
     return tuple(
-        Hypothesis(plate, reflex, apart, a * b * c)
+        Hypothesis(plate, reflex, apart, a * b * c, laboratory.foot_rad)
         for plate, a in plates.items()
         for reflex, b in reflexes.items()
         for apart, c in zeros.items()
@@ -147,7 +148,8 @@ def gaussians(
     inner = len(curve) + len(TAUS)
     mean = np.concatenate([np.zeros(len(curve)), np.full(len(TAUS), _GAMMA[0]), np.zeros(len(sds))])
     at = {name: inner + names.index(name) for name in SHARED}
-    mean[at["weight"]] = _WEIGHT[0]
+    mean[at["weight"]] = _WEIGHT[0] * math.cos(hypothesis.foot_rad)
+    mean[at["tilt"]] = _WEIGHT[0] * math.sin(hypothesis.foot_rad)
     mean[at["inertia"]] = _WEIGHT[0] * _LEVER + hypothesis.plate * _PLATE[1]
     mean[at["constant"]] = offset - _WEIGHT[0]
     spread = np.concatenate([curve, np.full(len(TAUS), _GAMMA[1]), sds])

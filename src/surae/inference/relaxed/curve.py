@@ -28,8 +28,8 @@ _STEP = 0.2
 #: The curve is asked up to so many degrees beyond what rested.
 BEYOND = 12.0
 #: A relaxed angle was passed where three of four bins of this width around it [deg] hold rest for
-#: so many seconds each, all together so many, and the leg rests for so many: of 82 virtual legs
-#: those that come to less miss more often.
+#: so many seconds each, all together so many, and the leg rests for so many. Chosen by judgement:
+#: how often intervals miss where there is less was not counted apart.
 _BIN = 2.5
 _BINS = 4
 _ENOUGH_BINS = 3
@@ -113,6 +113,8 @@ class RelaxedCurve(Comparable):
     grade: Grade  #: Of rest alone.
     findings: tuple[str, ...]  #: What was met, in sentences, the gravest first.
     samples: RestSamples  #: What was measured.
+    #: Whether no electrode shows any effort, so that all is rest because it is meant to be.
+    is_declared: bool = False
 
     def __post_init__(self) -> None:
         """Make mappings read-only."""

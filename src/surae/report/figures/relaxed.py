@@ -1,11 +1,12 @@
 """The relaxed leg as a figure: torque over angle as measured, the curve over it, stated angles."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from surae.inference.relaxed.curve import RelaxedCurve
 from surae.measures.measure import Measure
+from surae.measures.norms import Norm
 from surae.report.figures import BLUE, GREY, INK, MUTED, Axes, Figure, dress, new_figure
 from surae.report.language import Words
 
@@ -15,11 +16,60 @@ _HALF = 1.96
 _STILL = 0.3
 
 
-def relaxed_figure(curve: RelaxedCurve, measures: Mapping[str, Measure], _: Words) -> Figure:
-    """The figure of a relaxed leg."""
-    figure = new_figure(3.6, width=6.4)
-    draw_relaxed(figure.subplots(), curve, measures, _)
+def relaxed_figure(
+    curve: RelaxedCurve,
+    measures: Mapping[str, Measure],
+    _: Words,
+    *,
+    behind: Sequence[Norm] = (),
+    width: float = 6.4,
+) -> Figure:
+    """The figure of a relaxed leg, groups `behind` it by their torque in a slow stretch."""
+    figure = new_figure(3.6, width=width)
+    axes = figure.subplots()
+    _draw_norms(axes, curve, measures, behind, _)
+    draw_relaxed(axes, curve, measures, _)
     return figure
+
+
+def _draw_norms(
+    axes: Axes,
+    curve: RelaxedCurve,
+    measures: Mapping[str, Measure],
+    behind: Sequence[Norm],
+    _: Words,
+) -> None:
+    """Draw groups where this leg has the same measure, and the leg's own beside them."""
+    told = [(norm, m) for norm in behind if (m := measures.get(norm.measure)) is not None]
+    for number, (norm, m) in enumerate(each for each in told if each[1].basis == "rest"):
+        if m.value is None or m.ci95 is None:
+            continue
+        at = _angle_of(norm.measure) - curve.zero_deg
+        low, high = m.ci95
+        axes.errorbar(
+            [at + 1.0],
+            [norm.mean],
+            [norm.sd],
+            fmt="s",
+            color=GREY,
+            ms=4,
+            lw=5,
+            alpha=0.6,
+            zorder=0,
+            label="_" if number else _("{group}, slow stretch", group=_(norm.group)),
+        )
+        axes.errorbar(
+            [at + 2.0],
+            [m.value],
+            [[m.value - low], [high - m.value]],
+            fmt="o",
+            color=BLUE,
+            ms=4,
+            lw=1.2,
+            capsize=2,
+            zorder=3,
+            label="_" if number else _("this leg, slow stretch"),
+        )
 
 
 def draw_relaxed(
@@ -97,6 +147,13 @@ def _stated(
     made = []
     for name, measure in measures.items():
         if name.startswith("passive_torque@") and measure.value is not None and measure.ci95:
-            at = float(name.partition("@")[2].removesuffix("deg")) - curve.zero_deg
+            if measure.basis != "rest":
+                continue
+            at = _angle_of(name) - curve.zero_deg
             made.append((at, measure.value, measure.ci95))
     return made
+
+
+def _angle_of(name: str) -> float:
+    """The angle at which a measure is [deg]."""
+    return float(name.partition("@")[2].removesuffix("deg"))

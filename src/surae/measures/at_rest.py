@@ -1,0 +1,84 @@
+"""The rest in a fit's recordings: what it tells goes before the model's, whatever muscles do."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from surae.base.threads import one_blas_thread
+from surae.base.words import Message
+from surae.inference import FitResult
+from surae.inference.relaxed.build import relaxed_curve
+from surae.inference.relaxed.context import Laboratory
+from surae.inference.relaxed.curve import RelaxedCurve
+from surae.measures.measure import RestSaid
+from surae.measures.rest import RestMeasure, rated_measures
+from surae.model.joint import ANKLE
+from surae.signals import ModelInputs
+
+#: Largest EMG of a muscle that does nothing, in volts and as a part of a reference: as checks of
+#: recordings have it (`surae.quality.emg`, `surae.quality.activity`).
+_REST = {"V": 2e-5, "1": 0.03}
+_LARGEST = 0.995
+
+
+@one_blas_thread()
+@lru_cache(maxsize=8)
+def curve_of(inputs: tuple[ModelInputs, ...], laboratory: Laboratory) -> RelaxedCurve | Message:
+    """The relaxed curve of these recordings, or why there is none; kept, as it takes a second."""
+    return relaxed_curve(inputs, laboratory)
+
+
+def relaxed_of(result: FitResult) -> RelaxedCurve | Message:
+    """The relaxed curve of a fit's recordings, or why their rest tells none.
+
+    It is made of the recordings that are in the fit, and saved with it, so that it is the same
+    wherever it is asked for. Who fits does not say that a leg rests: where no electrode shows any
+    effort, EMG has to be as small as that of a muscle that does nothing.
+    """
+    problem = result.problem
+    if problem.options.anatomy != ANKLE:
+        return Message("rest/joint")
+    curve = curve_of(problem.inputs, Laboratory.of(problem.settings))
+    if isinstance(curve, RelaxedCurve) and curve.is_declared and not _silent(problem.inputs):
+        return Message("rest/no-effort")
+    return curve
+
+
+def _silent(inputs: Sequence[ModelInputs]) -> bool:
+    """Whether no electrode shows more than a muscle that does nothing."""
+    return all(
+        float(np.quantile(each.emg, _LARGEST, axis=0).max()) <= _REST[each.emg_unit]
+        for each in inputs
+    )
+
+
+def measures_at(
+    curve: RelaxedCurve, result: FitResult, angles: Sequence[float], end: float
+) -> tuple[RestMeasure, ...]:
+    """What rest tells of a fit's leg, at angles of the ankle's own and over a range to `end` [deg].
+
+    Angles of ranges are those of the fit, in which a zero that was given is counted.
+    """
+    zero = math.degrees(result.values.get("angle_zero", 0.0))
+    told = rated_measures(curve, angles, end - zero)
+    return tuple(_turned(each, zero) for each in told if each.measure.value is not None)
+
+
+def _turned(told: RestMeasure, zero: float) -> RestMeasure:
+    """A measure over a range whose angles have the fit's zero [deg] in them."""
+    m = told.measure
+    if not zero or m.from_deg is None or m.to_deg is None:
+        return told
+    return replace(told, measure=replace(m, from_deg=m.from_deg + zero, to_deg=m.to_deg + zero))
+
+
+def rest_said(curve: RelaxedCurve | Message, conflict: Message | None = None) -> RestSaid:
+    """What a table says of rest, and whether the muscles' fit is in conflict with it."""
+    if not isinstance(curve, RelaxedCurve):
+        return RestSaid(missing=curve)
+    return RestSaid(
+        curve.grade, curve.seconds, (curve.low, curve.high), curve.findings, conflict=conflict or ""
+    )
