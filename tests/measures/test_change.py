@@ -11,8 +11,9 @@ import surae
 from surae.base.frozen import FrozenDict
 from surae.inference import Grade
 from surae.inference.judging.reasons import against
-from surae.measures.change import SCATTER, ChangeVerdict, compare_sessions
+from surae.measures.change import SCATTER, compare_sessions
 from surae.measures.compared import common_end, quantities
+from surae.measures.difference import ChangeVerdict
 
 pytestmark = pytest.mark.usefixtures("few")
 CHANGED, NONE, NOT = ChangeVerdict

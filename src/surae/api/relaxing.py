@@ -253,7 +253,7 @@ def relaxed(
     for angle in angles:
         if not (is_number(angle) and abs(float(angle)) <= _MOST):
             raise InputError(f"angle {angle!r}: give degrees from −{_MOST:g} to {_MOST:g}")
-    inputs = [_inputs(each, mapping, corrections) for each in given]
+    inputs = [inputs_of(each, mapping, corrections) for each in given]
     with one_blas_thread():
         curve = relaxed_curve(inputs, Laboratory.of(knowledge))
         if not isinstance(curve, RelaxedCurve):
@@ -262,11 +262,13 @@ def relaxed(
     return Relaxed(curve, by_name)
 
 
-def _inputs(
-    given: AnyRecording, mapping: PathLike | None, corrections: Mapping[str, Any]
+def inputs_of(
+    given: AnyRecording,
+    mapping: PathLike | None = None,
+    corrections: Mapping[str, Any] | None = None,
 ) -> ModelInputs:
     """A recording, prepared as for a fit."""
     if isinstance(given, str) or hasattr(given, "__fspath__"):
-        return prepare(read(given, mapping=mapping, **corrections))  # type: ignore[arg-type]
+        return prepare(read(given, mapping=mapping, **(corrections or {})))  # type: ignore[arg-type]
     recording = read_in(given)
     return recording if isinstance(recording, ModelInputs) else prepare(recording)

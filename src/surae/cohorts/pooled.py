@@ -25,7 +25,8 @@ from surae.base.normal import NORMAL, Student, standard_error_of
 from surae.base.records import Saved, to_plain
 from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
-from surae.measures.change import compare_sessions, holm
+from surae.measures.change import compare_sessions
+from surae.measures.claims import holm
 from surae.measures.compared import Quantities, Quantity
 
 #: Legs from which a mean and a spread are estimated.
@@ -416,7 +417,7 @@ def _holm(pooled: Mapping[str, PooledQuantity]) -> dict[str, PooledQuantity]:
         every = {
             (name, key): c.p for name, p in pooled.items() for key, c in getattr(p, kind).items()
         }
-        for (name, key), p in holm(every, dict.fromkeys(every, 1.0 / max(len(every), 1))).items():
+        for (name, key), p in holm(every).items():
             own = dict(getattr(done[name], kind))
             own[key] = replace(own[key], p=p)
             renewed: dict[str, Any] = {kind: FrozenDict(own)}

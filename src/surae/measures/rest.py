@@ -372,3 +372,10 @@ def _judged(
     if relative <= IDENTIFIED:
         return Verdict.IDENTIFIED, Message("note/known", percent=known)
     return Verdict.WEAK, Message("note/known-only", percent=known)
+
+
+def values_of_rest(
+    curve: RelaxedCurve, legs: PossibleLegs, angles: Sequence[float]
+) -> tuple[_Asked, ...]:
+    """Every measure of these possible legs of a curve, not judged: values by leg, or why none."""
+    return (*_at_angles(curve, legs, angles), *_of_range(curve, legs), *_of_time(curve, legs))
