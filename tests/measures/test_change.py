@@ -11,9 +11,10 @@ import surae
 from surae.base.frozen import FrozenDict
 from surae.inference import Grade
 from surae.inference.judging.reasons import against
-from surae.measures.change import SCATTER, compare_sessions
+from surae.measures.change import compare_sessions
 from surae.measures.compared import common_end, quantities
 from surae.measures.difference import ChangeVerdict
+from surae.measures.reliability import SCATTER
 
 pytestmark = pytest.mark.usefixtures("few")
 CHANGED, NONE, NOT = ChangeVerdict

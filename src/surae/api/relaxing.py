@@ -19,6 +19,7 @@ from surae.inference.relaxed.build import relaxed_curve
 from surae.inference.relaxed.context import Laboratory
 from surae.inference.relaxed.curve import RelaxedCurve
 from surae.measures.measure import Measure
+from surae.measures.relaxed_change import with_detectable_changes
 from surae.measures.rest import measures_of_rest
 from surae.model.knowledge import Knowledge
 from surae.recording import read
@@ -258,7 +259,8 @@ def relaxed(
         curve = relaxed_curve(inputs, Laboratory.of(knowledge))
         if not isinstance(curve, RelaxedCurve):
             raise InputError(f"{inputs[0].where}: {curve}")
-        by_name = FrozenDict((m.name, m) for m in measures_of_rest(curve, angles))
+        made = with_detectable_changes(measures_of_rest(curve, angles), curve, angles)
+        by_name = FrozenDict((m.name, m) for m in made)
     return Relaxed(curve, by_name)
 
 

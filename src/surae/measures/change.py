@@ -36,11 +36,9 @@ from surae.measures.claims import false_discovery, holm
 from surae.measures.compared import Quantities, Quantity
 from surae.measures.difference import ChangeVerdict, Difference, sentence_of, with_part
 from surae.measures.relaxed_change import RestChange, RestDifference
+from surae.measures.reliability import SCATTER
 
-#: By how much sessions of one leg differ beyond their covariance: 1.05 on average over all measures
-#: and parameters of 40 pairs of virtual legs, 1.6 of the worst.
-SCATTER = 1.2
-#: The same of the tibialis's tendon, hardly stretched and the worst of these; on a measured leg it
+#: `SCATTER` of the tibialis's tendon, hardly stretched and the worst of these; on a measured leg it
 #: differed by chance in three of 21 pairs of trials that 1.2 was for.
 _TENDON = ("dlt_tib", "tendon_stiffness_tib", "tendon_secant_tib", "tendon_strain_tib")
 _OF_TENDON = 2.0

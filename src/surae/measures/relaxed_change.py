@@ -6,7 +6,7 @@ ask for no zero of the angle.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -19,6 +19,8 @@ from surae.base.words import Message
 from surae.inference import Grade
 from surae.inference.relaxed.curve import PossibleLegs, RelaxedCurve
 from surae.inference.relaxed.pair import paired_legs
+from surae.measures.measure import Measure
+from surae.measures.reliability import reliability_of
 from surae.measures.rest import values_of_rest
 
 #: Part of the pairs that has to have a value.
@@ -102,6 +104,24 @@ def rest_change(
     made = {name: _difference(sides[0][name], sides[1][name]) for name in sides[0]}
     made[SHIFT] = _shift(before, after, pairs.before, pairs.after)
     return RestChange(FrozenDict(made), _doubt(before, after), pairs.alike)
+
+
+def with_detectable_changes(
+    measures: Iterable[Measure], curve: RelaxedCurve, angles: Sequence[float]
+) -> tuple[Measure, ...]:
+    """Measures of rest with SDC and ICC: of a second visit like this one, the leg unchanged."""
+    again = rest_change(curve, curve, angles).differences
+    made = []
+    for m in measures:
+        d = again.get(m.name)
+        if m.value is None or d is None or d.ci95 is None:
+            note = m.note or Message("measure/no-interval")
+            made.append(replace(m, sdc_note=note))
+            continue
+        sdc = 0.5 * (d.ci95[1] - d.ci95[0])
+        sem = sdc / (NORMAL * math.sqrt(2.0))
+        made.append(replace(m, sdc=sdc, reliability=reliability_of(m.name, m.unit, sem)))
+    return tuple(made)
 
 
 def _doubt(before: RelaxedCurve, after: RelaxedCurve) -> str:
