@@ -44,7 +44,8 @@ def cohort(
     Raises
     ------
     InputError
-        The table is damaged, or has no fit that can be read.
+        The table is damaged, has no fit that can be read, or a question names nothing that is
+        compared.
 
     Examples
     --------
@@ -54,7 +55,7 @@ def cohort(
     where = engine_of(dask, workers if dask else workers or 1)
     rows = read_table(table)
     members = measured(rows, settings.angles, where, progress=progress)
-    pooled = pool(members)
+    pooled = pool(members, settings.question)
     if not settings.refit:
         return pooled
     again, rounds = refitted(rows, members, settings.angles, where, progress)
