@@ -7,7 +7,7 @@ import surae
 from surae.base.tables import TextTable
 from surae.base.words import JUDGEMENTS
 from surae.inference import Grade, Verdict
-from surae.measures.change import ChangeVerdict
+from surae.measures.difference import ChangeVerdict
 from surae.quality import KINDS, SEVERITIES, Finding, Quality, Skipped
 
 

@@ -313,3 +313,44 @@ def test_legs_that_were_moved_to_other_angles_are_told_apart() -> None:
     assert "each leg over a range of its own" in told.note
     begun = pool([*alike, reached("short", 19.5, 15.0)])
     assert begun.pooled["end_stiffness"].is_mixed
+
+
+def ranged(name: str, value: float, begin: float, group: str) -> CohortMember:
+    """A leg of which stiffness at the end of its range is known."""
+    q = Quantity("end_stiffness", "Nm/deg", "…", "measure", value, 0.01, 0.01, 0.0, from_deg=begin)
+    fine = Adequacy(Grade.ADEQUATE, (), 99.0)
+    own = Quantities("muscle", FrozenDict(), fine, (name,), FrozenDict({q.name: q}))
+    return CohortMember(name, "", group, "", FrozenDict(), own)
+
+
+def test_legs_moved_over_other_ranges_are_not_compared_in_stiffness_at_the_end() -> None:
+    """The same legs, moved to 10° and to 24°."""
+    values = (0.10, 0.11, 0.12, 0.11)
+    far = [ranged(f"A{i}", v, 14.0, "far") for i, v in enumerate(values)]
+    near = [ranged(f"B{i}", 0.6 * v, 0.0, "near") for i, v in enumerate(values)]
+    told = pool([*far, *near]).pooled["end_stiffness"]
+    assert told.differences == {}
+    assert sum(told.left_out.values()) >= 4
+    alike = [ranged(f"B{i}", 0.6 * v, 14.5, "near") for i, v in enumerate(values)]
+    assert pool([*far, *alike]).pooled["end_stiffness"].differences
+
+
+def test_a_question_of_a_cohort_has_the_full_level() -> None:
+    def both(name: str, k: float, other: float, group: str) -> CohortMember:
+        member = leg(name, k, 1.0, group)
+        q = member.quantities.by_name["k_tri"]
+        rows = {"k_tri": q, **{f"m{i}": replace(q, name=f"m{i}", value=other) for i in range(30)}}
+        return replace(member, quantities=replace(member.quantities, by_name=FrozenDict(rows)))
+
+    rng = np.random.default_rng(4)
+    members = [
+        both(f"{g}{i}", 200.0 + by + 10.0 * rng.standard_normal(), rng.normal(200.0, 10.0), g)
+        for g, by in (("a", 0.0), ("b", 20.0))
+        for i in range(6)
+    ]
+    asked, explored = (pool(members, q).pooled["k_tri"] for q in (["k_tri"], []))
+    (p,), (wide,) = (list(each.differences.values()) for each in (asked, explored))
+    assert asked.asked
+    assert p.p < 0.05 < wide.p
+    with pytest.raises(InputError, match="k_try"):
+        pool(members, ["k_try"])

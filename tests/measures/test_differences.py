@@ -11,8 +11,9 @@ from surae.base.errors import InputError
 from surae.base.frozen import FrozenDict
 from surae.inference import Adequacy, Grade
 from surae.inference.judging.reasons import against
-from surae.measures.change import ChangeVerdict, compare_sessions
+from surae.measures.change import compare_sessions
 from surae.measures.compared import Quantities, Quantity
+from surae.measures.difference import ChangeVerdict
 
 LEADING = "end_torque"
 
@@ -39,13 +40,39 @@ def test_where_nothing_changed_few_comparisons_claim_something() -> None:
     assert np.mean(claims) <= 0.05
 
 
-def test_torque_at_rest_has_most_of_the_level_to_itself() -> None:
-    before, after = side(many()), many()
-    by = 4.4  # p = 0.0096: enough for one of two, not for one of 80
-    told = compare_sessions(before, side({**after, LEADING: 10.0 + by}))
+def test_what_is_asked_beforehand_has_the_full_level() -> None:
+    before, after = side(many()), side({**many(), LEADING: 14.4, "m3": 14.4})
+    # p = 0.0096 each: enough for what was asked, not among 41 that were looked at
+    assert compare_sessions(before, after).changed == ()
+    told = compare_sessions(before, after, question=[LEADING])
     assert [d.name for d in told.changed] == [LEADING]
-    assert compare_sessions(before, side({**after, "m3": 10.0 + by})).changed == ()
+    assert [d.name for d in told.measures.values() if d.asked] == [LEADING]
     assert told.measures[LEADING].smallest < 0.75 * told.measures["m3"].smallest
+    assert told.sentence.startswith("Torque at the end of the range is more than before, by 4.4 Nm")
+    assert "asked beforehand" in told.multiplicity
+    two = compare_sessions(before, after, question=[LEADING, "m3", "m4", "m5", "m6", "m7"])
+    assert two.changed == ()  # six questions share the level
+    assert two.as_dict()["measures"]["m3"]["asked"] is True
+    with pytest.raises(InputError, match="did you mean 'end_torque'"):
+        compare_sessions(before, after, question=["end_torqe"])
+
+
+def test_the_sentence_says_what_would_have_been_shown() -> None:
+    told = compare_sessions(side(many()), side({**many(), LEADING: 11.0}), question=[LEADING])
+    assert told.changed == ()
+    assert "no change shown; the difference is 1 Nm (10 %)" in told.sentence
+    assert "would have been shown" in told.sentence
+    assert told.as_dict()["sentence"] == told.sentence
+    assert told.sentence in told.as_table().text()
+
+
+def test_what_many_have_is_found_and_is_exploratory() -> None:
+    """The false discovery rate finds ten moderate changes of 41 that Holm would not."""
+    moved = dict.fromkeys([LEADING, *(f"m{i}" for i in range(9))], 14.6)
+    told = compare_sessions(side(many()), side({**many(), **moved}))
+    assert {d.name for d in told.changed} == {*moved}
+    assert "false discovery rate" in told.multiplicity
+    assert "confirm it" in told.sentence
 
 
 @pytest.mark.slow

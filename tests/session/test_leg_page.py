@@ -291,12 +291,12 @@ def test_no_change_and_doubtful_fits_are_never_a_yes(sides, tmp_path) -> None:
     page = change_page(tmp_path / "c.html", compare_sessions(one, one), fit)
     assert "none shown" in page
     assert ">changed<" not in page
-    assert "allowed for (Holm)" in page
+    assert "all are exploratory" in page
     by_model = {n: replace(q, basis="model") for n, q in one.by_name.items()}
     sides = [replace(each, by_name=FrozenDict(by_model)) for each in (one, doubt)]
     page = change_page(tmp_path / "c.html", compare_sessions(*sides), fit)
     assert "none shown" not in page
-    assert "Holm" not in page
+    assert "exploratory" not in page
 
 
 def test_a_doubtful_fit_takes_no_verdict_off_what_rest_says(sides) -> None:

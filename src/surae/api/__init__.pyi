@@ -2,6 +2,7 @@
 
 from surae.api.answers import change as change
 from surae.api.answers import fit_of as fit_of
+from surae.api.answers import fits_of as fits_of
 from surae.api.answers import other_change as other_change
 from surae.api.answers import validate as validate
 from surae.api.answers import write_change_page as write_change_page

@@ -1,5 +1,6 @@
 """Answers of fits: predictions and changes."""
 
+import math
 from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
@@ -9,13 +10,15 @@ from surae.api.fitted import Fit
 from surae.api.fitting import load
 from surae.api.given import AnyRecording, several
 from surae.api.recordings import as_in_fit
+from surae.api.sides import Visited, place_of, side_of
 from surae.base.errors import InputError
 from surae.base.files import PathLike
 from surae.base.requests import ChangeSettings
 from surae.base.setting import renamed, takes
 from surae.inference.judging.validation import Prediction, predict_others
 from surae.measures.change import Change, compare_sessions
-from surae.measures.compared import common_end, quantities
+from surae.measures.compared import common_end
+from surae.measures.relaxed_change import rest_change
 from surae.nerve.change import NerveChange, of_files
 from surae.signals import Weighting, weighted
 from surae.trials.folder import fit_in
@@ -26,8 +29,8 @@ CHANGE_ANGLES = (0.0, 10.0)
 
 @takes(ChangeSettings)
 def change(
-    before: Fit | PathLike,
-    after: Fit | PathLike,
+    before: Visited,
+    after: Visited,
     *,
     baselines: Sequence[Fit | PathLike] = (),
     **keywords: Any,
@@ -36,8 +39,9 @@ def change(
 
     Parameters
     ----------
-    before, after : Fit or path
-        Fits, files of fits, or folders of sessions (`surae session`), whose joint fit is taken.
+    before, after : Fit, path, Recording, or sequence of recordings
+        Fits, files of fits, or folders of sessions (`surae session`), whose joint fit is taken; or
+        recordings of a visit, or the folder of them, of which the relaxed leg is compared.
     baselines : sequence of Fit or path
         Further sessions of the leg from before anything changed; they show how much sessions
         differ by themselves.
@@ -46,29 +50,50 @@ def change(
     Returns
     -------
     Change
-        Every measure and parameter: difference, interval and verdict.
+        Every measure and parameter: difference, interval and verdict; and one sentence.
 
     Raises
     ------
     InputError
-        A file cannot be read, both are one, an angle is out of reach, or baselines are given of
-        two legs.
+        A file cannot be read, both are one, an angle is out of reach, a question names nothing
+        that is compared, or baselines are given of two legs.
 
     Examples
     --------
-    >>> surae.change("before.json", "after.json").measures["passive_stiffness@10deg"].verdict
+    >>> surae.change("before.json", "after.json", question=["torque_rise"]).sentence
     """
     settings = ChangeSettings(**keywords)
-    places = [
-        id(each) if isinstance(each, Fit) else _file_of(each).resolve() for each in (before, after)
-    ]
-    if places[0] == places[1]:
+    if place_of(before) == place_of(after):
         raise InputError("before and after are the same fit; give two sessions, or two legs")
-    angles = settings.angles or CHANGE_ANGLES
-    fits = [*map(fit_of, (before, after, *baselines))]
-    end = common_end(fit.result for fit in fits)
-    sides = [quantities(fit, angles, end) for fit in fits]
-    return compare_sessions(sides[0], sides[1], sides[2:], legs=settings.legs)
+    asked = [float(a) for a in map(_angle_in, settings.question) if a is not None]
+    angles = tuple(dict.fromkeys((*(settings.angles or CHANGE_ANGLES), *asked)))
+    sides = [*map(side_of, (before, after, *baselines))]
+    fits = [side.fit.result for side in sides if side.fit is not None]
+    end = common_end(fits) if fits else math.inf
+    brought = [side.quantities(angles, end) for side in sides]
+    curves = [side.curve() for side in sides[:2]]
+    rest = None
+    if curves[0] is not None and curves[1] is not None:
+        rest = rest_change(curves[0], curves[1], angles, legs=settings.legs)
+    return compare_sessions(
+        brought[0],
+        brought[1],
+        brought[2:],
+        legs=settings.legs,
+        rest=rest,
+        question=settings.question,
+    )
+
+
+def _angle_in(name: str) -> float | None:
+    """The angle [deg] at which a measure is asked; None where it is asked at none."""
+    point = name.partition("@")[2]
+    if not point.endswith("deg"):
+        return None
+    try:
+        return float(point.removesuffix("deg").replace("−", "-"))
+    except ValueError:
+        return None
 
 
 def other_change(before: PathLike, after: PathLike) -> NerveChange | None:
@@ -81,14 +106,13 @@ def write_change_page(
     change: Change,
     fits: Sequence[Fit],
     *,
-    baselines: Sequence[Fit] = (),
     language: str = "en",
     angle: float | None = None,
 ) -> None:
     """Write the page of what changed, HTML or by its ending PDF.
 
-    `fits` are both that were compared, `baselines` further sessions from before anything changed;
-    torque and stiffness are given at `angle` [deg], by default 10, or what was measured near it.
+    `fits` are both that were compared, none where recordings were; torque and stiffness are given
+    at `angle` [deg], by default 10, or what was measured near it.
     """
     from surae.report.change import change_report  # matplotlib
 
@@ -96,10 +120,15 @@ def write_change_page(
         change,
         fits,
         created=datetime.now().astimezone(),
-        baselines=baselines,
         language=language,
         angle=angle,
     ).write(path)
+
+
+def fits_of(*given: Visited) -> list[Fit]:
+    """The fits of visits, where every one has its fit; else none."""
+    fits = [side.fit for side in map(side_of, given)]
+    return [fit for fit in fits if fit is not None] if None not in fits else []
 
 
 def fit_of(given: Fit | PathLike) -> Fit:

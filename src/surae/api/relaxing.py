@@ -19,6 +19,7 @@ from surae.inference.relaxed.context import Laboratory
 from surae.inference.relaxed.curve import RelaxedCurve
 from surae.measures.at_rest import curve_of, rest_said
 from surae.measures.measure import Measure
+from surae.measures.relaxed_change import with_detectable_changes
 from surae.measures.rest import measures_of_rest
 from surae.model.knowledge import Knowledge
 from surae.recording import Recording, read
@@ -260,7 +261,8 @@ def relaxed(
     curve = curve_of(inputs, Laboratory.of(settings))
     if not isinstance(curve, RelaxedCurve):
         raise InputError(f"{inputs[0].where}: {curve}")
-    by_name = FrozenDict((m.name, m) for m in measures_of_rest(curve, angles))
+    made = with_detectable_changes(measures_of_rest(curve, angles), curve, angles)
+    by_name = FrozenDict((m.name, m) for m in made)
     return Relaxed(curve, by_name)
 
 
@@ -271,3 +273,8 @@ def _recording(
     if isinstance(given, str) or hasattr(given, "__fspath__"):
         return read(given, mapping=mapping, **corrections)  # type: ignore[arg-type]
     return read_in(given)
+
+
+def inputs_of(given: Sequence[Any]) -> tuple[ModelInputs, ...]:
+    """Recordings of a visit, prepared as for a fit."""
+    return FitSettings.of().inputs(parted([_recording(each, None, {}) for each in given]))

@@ -230,3 +230,12 @@ class ChangeSettings(Request):
         "alike cancels; of two legs it does not.",
         help="BEFORE and AFTER are two legs of one person.",
     )
+    question: tuple[str, ...] = setting(
+        (),
+        "What was asked before the second visit was opened, by name: judged at the full level; all "
+        "else is exploratory.",
+        option="question",
+        metavar="NAME",
+        help="A measure asked beforehand, as torque_rise or slow_stiffness@10deg; may be repeated. "
+        "All else is exploratory.",
+    )

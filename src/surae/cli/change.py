@@ -38,10 +38,10 @@ def command(
 ) -> None:
     """Compare a leg between two sessions, or the two legs of a person.
 
-    BEFORE and AFTER are files of fits or folders of sessions, or files of surae impedance or surae
-    stretches. Errors that two sessions of a leg have in common cancel; of two legs (--legs) none
-    do. A change is claimed only where it is beyond what noise, electrodes and foot mounted anew can
-    do, among all that is looked at.
+    BEFORE and AFTER are files of fits or folders of sessions; recordings or folders of them, whose
+    rest is compared; or files of surae impedance or surae stretches. Errors that two sessions of a
+    leg have in common cancel; of two legs (--legs) none do. What is asked beforehand (--question)
+    is judged at the full level; all else is exploratory, and to be confirmed.
     """
     outputs = {"--output": output, "--report": report}
     check_outputs(outputs, [before, after, *baselines], spare_fits=True)
@@ -67,8 +67,7 @@ def command(
         api.write_change_page(
             report,
             change,
-            [api.fit_of(before), api.fit_of(after)],
-            baselines=[api.fit_of(each) for each in baselines],
+            api.fits_of(before, after),
             language=language,
             angle=angles[0] if len(angles) == 1 else None,
         )

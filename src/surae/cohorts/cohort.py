@@ -46,7 +46,8 @@ def cohort(
     Raises
     ------
     InputError
-        The table is damaged, or has no fit that can be read.
+        The table is damaged, has no fit that can be read, or a question names nothing that is
+        compared.
 
     Examples
     --------
@@ -61,7 +62,7 @@ def cohort(
     if reached is not None:  # legs are compared over what all of them reached
         end = reached[0]
         members = measured(rows, settings.angles, where, progress=progress, end=end)
-    pooled = replace(pool(members), reached=reached)
+    pooled = replace(pool(members, settings.question), reached=reached)
     if not settings.refit:
         return pooled
     again, rounds = refitted(rows, members, settings.angles, where, progress, end)

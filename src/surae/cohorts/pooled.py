@@ -25,7 +25,8 @@ from surae.base.normal import NORMAL, Student, standard_error_of
 from surae.base.records import Saved, to_plain
 from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
-from surae.measures.change import compare_sessions, holm
+from surae.measures.change import asked_of, compare_sessions
+from surae.measures.claims import false_discovery, holm
 from surae.measures.compared import Quantities, Quantity
 from surae.measures.table import LEADING
 
@@ -93,6 +94,8 @@ def random_effects(values: FloatArray, variances: FloatArray) -> Effects:
     return Effects(len(y), mean, se, tau2)
 
 
+#: By how much the ranges of legs may differ over which one measure is compared [deg].
+_RANGES = 3.0
 #: Legs of a group beside whose interval the errors that all fits share are no longer small: 94 %
 #: of 300 differences were true with 20 legs a group, 57 % of 30 with 1,000 (benchmarks/cohort.py).
 _MANY = 100
@@ -168,13 +171,15 @@ class PooledQuantity:
     kind: str
     groups: FrozenDict[str, Effects]  #: Mean and spread of each group of at least three legs.
     legs: tuple[Among, ...]  #: Every leg that has a value.
-    #: Of each pair of groups, the second minus the first, Holm's p over all that is reported.
+    #: Of each pair of groups, the second minus the first; p is Holm's of what was asked
+    #: beforehand, else of the false discovery rate over all else.
     differences: FrozenDict[str, Contrast]
     changes: FrozenDict[str, Contrast]  #: Of each group, last session minus first.
-    #: Of legs with each clinical scale, by rank; Holm's p over all that is reported.
+    #: Of legs with each clinical scale, by rank; p as of differences.
     scales: FrozenDict[str, Correlation]
     left_out: FrozenDict[str, int]  #: Legs without a value, by reason.
     at_bound: int  #: Legs whose value lies at a bound.
+    asked: bool = False  #: Whether it was asked beforehand.
     #: Of one over the range that was moved: the least and the largest of the angles [deg] from
     #: which, and to which, a leg's is taken; None of others.
     begins: tuple[float, float] | None = None
@@ -249,9 +254,10 @@ class Cohort(Tabular, Saved):
                     )
                 )
             for kind, contrasts in (("differs", p.differences), ("changed", p.changes)):
+                how = "asked beforehand" if p.asked else "exploratory: confirm it"
                 notes += [
                     f"{p.name} {kind}, {key or 'all'}: {c.difference:.3g} {p.unit} "
-                    f"({c.ci95[0]:.3g} … {c.ci95[1]:.3g}), p = {c.p:.2g}"
+                    f"({c.ci95[0]:.3g} … {c.ci95[1]:.3g}), p = {c.p:.2g}, {how}"
                     for key, c in contrasts.items()
                     if c.p < 0.05
                 ]
@@ -308,8 +314,8 @@ def _extent(angles: Iterable[float | None]) -> tuple[float, float] | None:
     return (min(known), max(known)) if known else None
 
 
-def pool(members: Sequence[CohortMember]) -> Cohort:
-    """All groups, differences and changes of a cohort."""
+def pool(members: Sequence[CohortMember], question: Sequence[str] = ()) -> Cohort:
+    """All groups, differences and changes of a cohort; what was asked beforehand by name."""
     sessions = sessions_of(members)
     first = [each[0] for each in sessions.values()]
     known = [m.quantities for m in members if m.quantities is not None]
@@ -318,7 +324,8 @@ def pool(members: Sequence[CohortMember]) -> Cohort:
     names = dict.fromkeys(name for q in known for name in q.by_name)
     changes = _changes(sessions)
     pooled = {name: _pooled(name, first, changes.get(name, {})) for name in names}
-    return Cohort(tuple(members), FrozenDict(_holm(pooled)))
+    asked = asked_of(question, pooled)
+    return Cohort(tuple(members), FrozenDict(_judged(pooled, asked)))
 
 
 def sessions_of(members: Sequence[CohortMember]) -> dict[str, list[CohortMember]]:
@@ -356,6 +363,18 @@ def borrowed(cohort: Cohort, refitted: Sequence[CohortMember], rounds: int) -> C
     return replace(cohort, pooled=FrozenDict(pooled), rounds=rounds)
 
 
+def _common_begin(name: str, first: Sequence[CohortMember]) -> float:
+    """Where the range begins over which most legs have a measure [deg]; NaN without ranges."""
+    begins = [
+        q.from_deg
+        for member in first
+        if member.quantities is not None
+        and (q := member.quantities.by_name.get(name)) is not None
+        and q.from_deg is not None
+    ]
+    return float(np.median(begins)) if begins else math.nan
+
+
 def _pooled(
     name: str, first: Sequence[CohortMember], changes: Mapping[str, list[tuple[float, float]]]
 ) -> PooledQuantity:
@@ -363,9 +382,13 @@ def _pooled(
     usable: list[tuple[CohortMember, Quantity, float, float]] = []
     at_bound = 0
     known = None
+    begins = _common_begin(name, first)
     for member in first:
         q = None if member.quantities is None else member.quantities.by_name.get(name)
         known = q or known
+        if q is not None and q.from_deg is not None and abs(q.from_deg - begins) > _RANGES:
+            left_out["the range that was moved is not that of the other legs"] += 1
+            continue
         if q is None or q.value is None:
             left_out[member.missing or "it was not estimated"] += 1
         elif q.at_bound and q.bounds is not None:
@@ -401,8 +424,8 @@ def _pooled(
         _scales([(m, y) for m, q, y, _ in usable if not q.at_bound]),
         FrozenDict(left_out),
         at_bound,
-        _extent(q.from_deg for _, q, _, _ in usable),
-        _extent(q.to_deg for _, q, _, _ in usable),
+        begins=_extent(q.from_deg for _, q, _, _ in usable),
+        ends=_extent(q.to_deg for _, q, _, _ in usable),
     )
 
 
@@ -464,14 +487,20 @@ def _scales(usable: Sequence[tuple[CohortMember, float]]) -> FrozenDict[str, Cor
     return FrozenDict(correlations)
 
 
-def _holm(pooled: Mapping[str, PooledQuantity]) -> dict[str, PooledQuantity]:
-    """Differences, changes and correlations, each kind with Holm's p over all quantities."""
-    done = dict(pooled)
+def _judged(
+    pooled: Mapping[str, PooledQuantity], asked: frozenset[str]
+) -> dict[str, PooledQuantity]:
+    """Differences, changes and correlations: Holm's p of what was asked, else of discoveries."""
+    done = {name: replace(p, asked=name in asked) for name, p in pooled.items()}
     for kind in ("differences", "changes", "scales"):
         every = {
             (name, key): c.p for name, p in pooled.items() for key, c in getattr(p, kind).items()
         }
-        for (name, key), p in holm(every, dict.fromkeys(every, 1.0 / max(len(every), 1))).items():
+        adjusted = {
+            **holm({place: p for place, p in every.items() if place[0] in asked}),
+            **false_discovery({place: p for place, p in every.items() if place[0] not in asked}),
+        }
+        for (name, key), p in adjusted.items():
             own = dict(getattr(done[name], kind))
             own[key] = replace(own[key], p=p)
             renewed: dict[str, Any] = {kind: FrozenDict(own)}

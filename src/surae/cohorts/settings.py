@@ -21,3 +21,11 @@ class CohortSettings(Request):
         metavar="DEG",
         help="Where torque and stiffness are given; may be repeated.  [default: 10]",
     )
+    question: tuple[str, ...] = setting(
+        (),
+        "What was asked beforehand, by name: judged at the full level; all else is exploratory.",
+        option="question",
+        metavar="NAME",
+        help="A measure asked beforehand, as end_stiffness; may be repeated. All else is "
+        "exploratory.",
+    )

@@ -7,49 +7,40 @@ differ between sessions by a little more than that (`SCATTER`). Between two legs
 each has its own delay, tendon and skin.
 
 Many differences are looked at, and one of twenty would be beyond its 95 % interval by chance alone.
-The p-values are Holm's (1979), with weights: three questions that are fixed beforehand, torque and
-stiffness of the relaxed ankle and how steeply the calf stiffens, have four fifths of the 5 % to
-themselves, all else the rest. At most 5 % of comparisons without any change claim one. Intervals
-aren't corrected for multiple comparisons.
+What was asked beforehand is judged at the full level, by Holm's p-values among what was asked; all
+else is exploratory, by the false discovery rate (`surae.measures.claims`), and a claim of it is to
+be confirmed. Intervals aren't corrected for multiple comparisons.
+
+What rest tells (`surae.measures.relaxed_change`) is one estimate of both sessions, and is doubted
+by rest alone; what muscles' fits tell is withheld where one of them is doubtful.
 
 A spread between sessions that repeated baselines show is known as badly as they are few: what it
 adds has Student's t, with the degrees of freedom of Welch and Satterthwaite.
-
-References
-----------
-S. Holm (1979). A simple sequentially rejective multiple test procedure. Scandinavian Journal of
-Statistics 6(2):65-70.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from enum import StrEnum
-from typing import Any, TypeVar
+from typing import Any
 
 from surae.base.errors import InputError
 from surae.base.file_form import filed
-from surae.base.formatting import NO_NUMBER, of_interval, significant
+from surae.base.formatting import NO_NUMBER, nearest, of_interval, significant
 from surae.base.frozen import FrozenDict
 from surae.base.normal import Student
 from surae.base.records import Saved
 from surae.base.tables import Tabular, TextTable
 from surae.base.words import Message
-from surae.inference.judging.parameter import percent
+from surae.measures.claims import false_discovery, holm
 from surae.measures.compared import Quantities, Quantity
-from surae.measures.table import LEADING
+from surae.measures.difference import ChangeVerdict, Difference, sentence_of, with_part
+from surae.measures.relaxed_change import RestChange, RestDifference
+from surae.measures.reliability import SCATTER
 
-#: By how much sessions of one leg differ beyond their covariance: 1.05 on average over all measures
-#: and parameters of 40 pairs of virtual legs, 1.6 of the worst.
-SCATTER = 1.2
-#: The same of the tibialis's tendon, hardly stretched and the worst of these; on a measured leg it
+#: `SCATTER` of the tibialis's tendon, hardly stretched and the worst of these; on a measured leg it
 #: differed by chance in three of 21 pairs of trials that 1.2 was for.
 _TENDON = ("dlt_tib", "tendon_stiffness_tib", "tendon_secant_tib", "tendon_strain_tib")
 _OF_TENDON = 2.0
-#: What most comparisons are made for, and the part of the level that these share; stiffness and
-#: torque are those at the end of the range that both sessions moved through.
-FIXED = (*LEADING, "passive_exponent_tri")
-_SHARE = 0.8
 #: By how much two ranges may differ in which one stiffness is compared [deg].
 _RANGES = 1.0
 #: Level of all claims together, and the power with which the smallest change would be shown.
@@ -57,42 +48,8 @@ LEVEL = 0.05
 POWER = 0.80
 #: Columns of the table that hold numbers.
 _NUMBERS = ("before", "after", "difference", "95 % interval", "would show")
-_Key = TypeVar("_Key", str, tuple[str, str])
 #: Degrees of freedom of what is known as well as the normal distribution.
 _MANY = 1e9
-
-
-class ChangeVerdict(StrEnum):
-    """Judgement of one difference."""
-
-    CHANGED = "changed"
-    NONE_SHOWN = "no change shown"
-    NOT_COMPARABLE = "not comparable"
-
-
-@filed("name", "kind", sparse=("from_deg", "to_deg"))
-@dataclass(frozen=True, slots=True)
-class Difference:
-    """One measure or parameter of two fits."""
-
-    #: `name`, `unit`, `meaning`, `kind`: as of `Quantity`.
-    name: str
-    unit: str
-    meaning: str
-    kind: str
-    #: `before`, `after`: values; None where there is none.
-    before: float | None
-    after: float | None
-    difference: float | None  #: After minus before; None where it cannot be compared.
-    ci95: tuple[float, float] | None  #: Its 95 % interval.
-    p: float | None  #: Holm's p-value of no difference.
-    #: Smallest change that these recordings would show in four of five cases.
-    smallest: float | None
-    verdict: ChangeVerdict  #: ``changed``, ``no change shown`` or ``not comparable``.
-    note: str  #: The verdict in a plain sentence: a `Message`, unless it was read from a file.
-    #: `from_deg`, `to_deg`: as of `Measure`.
-    from_deg: float | None = None
-    to_deg: float | None = None
 
 
 @filed("before", "after", "legs", "is_withheld")
@@ -107,10 +64,11 @@ class Change(Tabular, Saved):
     measures: FrozenDict[str, Difference]
     parameters: FrozenDict[str, Difference]
     multiplicity: str  #: How many were looked at, and what that does to the claims.
+    sentence: str  #: The answer in one sentence: a `Message`, unless it was read from a file.
     #: Repeated baselines from which the spread between sessions was estimated; 0 without.
     baselines: int = 0
     legs: bool = False  #: Whether they are two legs, and not two sessions of one.
-    #: Whether a fit is doubtful, so that differences are shown and none is judged.
+    #: Whether differences are shown and none is judged, for what they rest on is doubtful.
     is_withheld: bool = False
 
     @property
@@ -147,7 +105,7 @@ class Change(Tabular, Saved):
         return TextTable(
             ("of", *_NUMBERS, "unit", "verdict"),
             tuple(rows),
-            above=(" → ".join(sides),),
+            above=(" → ".join(sides), self.sentence),
             below=(
                 *(f"{reason}: {', '.join(names)}" for reason, names in reasons.items()),
                 self.multiplicity,
@@ -172,49 +130,123 @@ def compare_sessions(
     baselines: Sequence[Quantities] = (),
     *,
     legs: bool = False,
+    rest: RestChange | None = None,
+    question: Sequence[str] = (),
 ) -> Change:
     """Compare two sessions of a leg, or its two legs, whose own errors do not cancel.
 
     How far `baselines`, sessions before anything changed, scatter beyond their own uncertainty is
-    taken for the spread between sessions.
+    taken for the spread between sessions. What `rest` tells goes before what fits tell; `question`
+    names what was asked beforehand, with or without the point after its ``@``.
     """
     if legs and baselines:
         raise InputError("baselines are sessions of one leg; leave them out to compare two legs")
-    names = dict.fromkeys((*before.by_name, *after.by_name))
-    drafts = {
-        name: _difference(
-            name,
-            before,
-            after,
-            [b.by_name[name] for b in baselines if name in b.by_name],
-            legs=legs,
-        )
-        for name in names
-    }
-    judged = {name: draft for name, (draft, _) in drafts.items()}
-    compared = [name for name, draft in judged.items() if draft.p is not None]
-    doubts = {name: _doubt(name, before, after, legs=legs) for name in compared}
-    weights = _weights([name for name, why in doubts.items() if why is None])
-    adjusted = holm({name: drafts[name][0].p or 0.0 for name in weights}, weights)
-    for name, p in adjusted.items():
-        judged[name] = _judged(*drafts[name], p, LEVEL * weights[name], legs=legs)
-    doubtful = {name: why for name, why in doubts.items() if why is not None}
-    for name, why in doubtful.items():
-        note = Message("change/no-verdict", why=why)
-        judged[name] = replace(judged[name], p=None, note=note)
-    multiplicity = Message("change/holm", n=len(weights))
-    first = next(iter(doubtful.values()), None)
-    if first is not None and not weights:
-        multiplicity = Message("change/none-judged", why=first)
-    elif first is not None:
-        multiplicity = Message("change/some-judged", n=len(weights), why=first)
+    drafts: dict[str, tuple[Difference, float, str]] = {}
+    for name in dict.fromkeys((*before.by_name, *after.by_name)):
+        own = [b.by_name[name] for b in baselines if name in b.by_name]
+        draft, freedom = _difference(name, before, after, own, legs=legs)
+        doubt = None if draft.p is None else _doubt(name, before, after, legs=legs)
+        drafts[name] = draft, freedom, doubt or ""
+    if rest is not None:
+        drafts = _with_rest(drafts, rest)
+    judged, counts = _all_judged(drafts, asked_of(question, drafts), legs=legs)
     measures, parameters = (
         FrozenDict((n, d) for n, d in judged.items() if d.kind == kind)
         for kind in ("measure", "parameter")
     )
     repeated = len(baselines) + 1 if baselines else 0
-    none = bool(doubtful) and not weights
-    return Change(before, after, measures, parameters, multiplicity, repeated, legs, none)
+    withheld = not any(counts) and any(d.difference is not None for d in judged.values())
+    return Change(
+        before,
+        after,
+        measures,
+        parameters,
+        _multiplicity(counts, [why for *_, why in drafts.values()], withheld=withheld),
+        sentence_of(tuple(judged.values()), counts[1], legs=legs),
+        repeated,
+        legs,
+        withheld,
+    )
+
+
+def asked_of(question: Sequence[str], names: Iterable[str]) -> frozenset[str]:
+    """The names that a question is about."""
+    every = tuple(names)
+    asked: set[str] = set()
+    for one in question:
+        of = [name for name in every if one in (name, name.partition("@")[0])]
+        if not of:
+            raise InputError(
+                f"question {one!r}: no such measure or parameter is compared{nearest(one, every)}"
+            )
+        asked.update(of)
+    return frozenset(asked)
+
+
+def _with_rest(
+    drafts: Mapping[str, tuple[Difference, float, str]], rest: RestChange
+) -> dict[str, tuple[Difference, float, str]]:
+    """With what rest tells in place of what fits say of the same, first."""
+    made = {}
+    for name, each in rest.differences.items():
+        if each.difference is not None or name not in drafts:
+            made[name] = (_of_rest(each), _MANY, rest.doubt)
+    return {**made, **{name: draft for name, draft in drafts.items() if name not in made}}
+
+
+def _of_rest(d: RestDifference) -> Difference:
+    """A difference that rest tells, not yet judged."""
+    p = None
+    if d.difference is not None and d.sd is not None:
+        p = Student(d.difference, d.sd, _MANY).p
+    return Difference(
+        d.name,
+        d.unit,
+        d.meaning,
+        "measure",
+        d.before,
+        d.after,
+        d.difference,
+        d.ci95,
+        p,
+        None,
+        ChangeVerdict.NOT_COMPARABLE,
+        Message("change/not-comparable", why=d.missing) if d.missing else "",
+        d.from_deg,
+        d.to_deg,
+        d.ci95_device,
+        basis="rest",
+    )
+
+
+def _all_judged(
+    drafts: Mapping[str, tuple[Difference, float, str]], asked: frozenset[str], *, legs: bool
+) -> tuple[dict[str, Difference], tuple[int, int]]:
+    """All differences judged, and how many were: of what was asked, and of all else."""
+    judged = {name: replace(draft, asked=name in asked) for name, (draft, _, _) in drafts.items()}
+    tested: tuple[dict[str, float], dict[str, float]] = {}, {}
+    for name, (draft, _, doubt) in drafts.items():
+        if draft.p is None:
+            continue
+        if doubt:
+            note = Message("change/no-verdict", why=doubt)
+            judged[name] = replace(judged[name], p=None, note=note)
+        else:
+            tested[name not in asked][name] = draft.p
+    for p, adjusted in zip(tested, (holm(tested[0]), false_discovery(tested[1])), strict=True):
+        for name, each in adjusted.items():
+            freedom = drafts[name][1]
+            judged[name] = _judged(judged[name], freedom, each, LEVEL / len(p), legs=legs)
+    return judged, (len(tested[0]), len(tested[1]))
+
+
+def _multiplicity(counts: tuple[int, int], doubts: Sequence[str], *, withheld: bool) -> Message:
+    """How many were looked at, and what that does to the claims."""
+    if withheld:
+        return Message("change/none-judged", why=next((why for why in doubts if why), ""))
+    if counts[0]:
+        return Message("change/asked", asked=counts[0], n=counts[1])
+    return Message("change/exploratory", n=counts[1])
 
 
 def _doubt(name: str, before: Quantities, after: Quantities, *, legs: bool) -> str | None:
@@ -235,26 +267,6 @@ def _doubt(name: str, before: Quantities, after: Quantities, *, legs: bool) -> s
     if len(doubtful) < 2:
         return doubtful[0] if doubtful else None
     return Message("change/both", one=doubtful[0], other=doubtful[1])
-
-
-def holm(p: Mapping[_Key, float], weights: Mapping[_Key, float]) -> dict[_Key, float]:
-    """Holm's p-values of several claims, which share the level by their weights, 1 in all."""
-    adjusted: dict[_Key, float] = {}
-    left = 1.0
-    before = 0.0
-    for key in sorted(sorted(p), key=lambda key: p[key] / weights[key]):
-        before = adjusted[key] = min(1.0, max(before, left * p[key] / weights[key]))
-        left -= weights[key]
-    return adjusted
-
-
-def _weights(names: Sequence[str]) -> dict[str, float]:
-    """Part of the level that each of these has; 1 in all."""
-    leading = [name for name in names if name in FIXED]
-    rest = [name for name in names if name not in leading]
-    share = (_SHARE if rest else 1.0) if leading else 0.0
-    parts = ((leading, share), (rest, 1.0 - share))
-    return {name: part / len(own) for own, part in parts for name in own}
 
 
 def _difference(
@@ -346,18 +358,11 @@ def _judged(draft: Difference, freedom: float, p: float, level: float, *, legs: 
     if p < LEVEL:
         more = "more" if draft.difference > 0.0 else "less"
         note = Message(f"change/{more}-than-{'first' if legs else 'before'}")
-        note = _with_part(note, draft.difference, draft)
+        note = with_part(note, draft.difference, draft)
         return replace(draft, p=p, smallest=smallest, verdict=ChangeVerdict.CHANGED, note=note)
     least = Message("{size:.2g} {unit}", size=smallest, unit=draft.unit.strip("-"))
     note = Message(
         f"change/no-{'difference' if legs else 'change'}",
-        smallest=_with_part(least, smallest, draft),
+        smallest=with_part(least, smallest, draft),
     )
     return replace(draft, p=p, smallest=smallest, verdict=ChangeVerdict.NONE_SHOWN, note=note)
-
-
-def _with_part(said: Message, change: float, of: Difference) -> Message:
-    """What is said of a change, in percent of the value before too, where that means something."""
-    if of.unit == "deg" or not of.before or abs(change) > 10.0 * abs(of.before):
-        return said
-    return Message("{said} ({percent})", said=said, percent=percent(abs(change / of.before)))

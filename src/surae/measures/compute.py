@@ -24,6 +24,7 @@ from surae.measures.at_rest import measures_at, relaxed_of, rest_said
 from surae.measures.conflict import LEVEL, compared_angles, disagreement
 from surae.measures.leg import Leg, NotDefinedError, leg_of, measured_range, of_any_path
 from surae.measures.measure import Measure, Measures
+from surae.measures.reliability import SCATTER, reliability_of, smallest_detectable
 from surae.measures.rest import RestMeasure
 from surae.measures.table import DEFINITIONS, Definition
 from surae.model import ModelOptions, get_model, with_optional
@@ -371,6 +372,7 @@ def _measure(evaluated: Evaluated, drawn: FloatArray | None, fit: AssessedFit) -
     meaning = fit.result.problem.options.anatomy.worded(definition.meaning)
     why = evaluated.missing or ""
     bare = Measure(name, unit, meaning, value, None, None, Verdict.UNDETERMINED, why)
+    bare = replace(bare, sdc_note=why or Message("measure/no-interval"))
     if value is None or evaluated.missing:
         return bare
     if definition.span:
@@ -403,12 +405,29 @@ def _measure(evaluated: Evaluated, drawn: FloatArray | None, fit: AssessedFit) -
     if doubt := disputed(evaluated, fit):
         verdict, note = Verdict.UNDETERMINED, doubt
     return replace(
-        bare,
+        _with_sdc(bare, evaluated, (ci95[1] - ci95[0]) / (2.0 * half) if half > 0.0 else 1.0, fit),
         ci95=ci95,
         ci95_repeat=(repeat[0], repeat[1]),
         verdict=verdict,
         note=note,
         method=method,
+    )
+
+
+def _with_sdc(bare: Measure, evaluated: Evaluated, bent: float, fit: AssessedFit) -> Measure:
+    """With what two such visits tell, where two visits can be compared by it."""
+    alone = evaluated.point.definition.alone
+    if alone and not evaluated.point.definition.span:
+        return replace(bare, sdc_note=Message(alone, fit.result.problem.options.anatomy.worded))
+    _total, session, model = fit.assessment.uncertainty.deviations(evaluated.gradient)
+    sem = SCATTER * max(bent, 1.0) * math.hypot(session, model)
+    if not (math.isfinite(sem) and sem > 0.0):
+        return bare
+    return replace(
+        bare,
+        sdc=smallest_detectable(sem),
+        sdc_note="",
+        reliability=reliability_of(bare.name, bare.unit, sem),
     )
 
 

@@ -16,7 +16,17 @@ from surae.base.tables import Tabular, TextTable
 from surae.inference import Adequacy, Grade, Verdict
 
 
-@filed("name", sparse=("from_deg", "to_deg", "ci95_device"))
+@dataclass(frozen=True, slots=True)
+class Reliability:
+    """How well a measure tells people apart."""
+
+    icc: float  #: Intraclass correlation, 0 to 1.
+    people_sd: float  #: Standard deviation of people, in the measure's unit.
+    source: str  #: Who was measured, how many, and where that is written.
+    word: str  #: ``"poor"``, ``"moderate"``, ``"good"`` or ``"excellent"`` (Koo and Li 2016).
+
+
+@filed("name", sparse=("from_deg", "to_deg", "ci95_device", "sdc_note"))
 @dataclass(frozen=True, slots=True, repr=False)
 class Measure:
     """One measure of a fit."""
@@ -44,6 +54,12 @@ class Measure:
     #: 95 % interval at the angle as the device shows it, of one at a stated angle by rest; `ci95`
     #: has the error of the angle's zero too.
     ci95_device: tuple[float, float] | None = None
+    #: Smallest detectable change between two such visits of an unchanged leg, 1.96·√2·SEM, in the
+    #: measure's unit; None where `sdc_note` says why.
+    sdc: float | None = None
+    sdc_note: str = ""
+    #: How well it tells people apart; None where their spread is not known.
+    reliability: Reliability | None = None
 
     def __repr__(self) -> str:
         if self.value is None:

@@ -408,3 +408,15 @@ def _judged(
     if verdict is Verdict.IDENTIFIED:
         return verdict, Message("note/known", percent=known)
     return verdict, Message("note/known-only", percent=known)
+
+
+def values_of_rest(
+    curve: RelaxedCurve, legs: PossibleLegs, angles: Sequence[float]
+) -> tuple[_Asked, ...]:
+    """Every measure of these possible legs of a curve, not judged: values by leg, or why none."""
+    return (
+        *_at_angles(curve, legs, angles),
+        *_of_range(curve, legs, curve.moved),
+        *_at_torques(curve, legs),
+        *_of_time(curve, legs, curve.moved),
+    )

@@ -11,33 +11,12 @@ from io import BytesIO
 from surae.base.formatting import check_known, ends, of_interval
 from surae.base.names import LANGUAGES
 from surae.base.words import N_, Message, Values, catalogue, english
+from surae.measures.plain import PLAIN
 from surae.model.joint import ANKLE, Joint
 from surae.quality.finding import KINDS, Finding
 
 #: What measures, and one parameter, are called, in the order in which they are shown.
-MEASURES = {
-    "end_stiffness": N_("Stiffness at the end of the range"),
-    "end_torque": N_("Torque at the end of the range"),
-    "torque_rise": N_("Rise of the torque over the range"),
-    "passive_exponent_tri": N_("How steeply the calf stiffens"),
-    "active_width_tri": N_("Width of the calf’s active range"),
-    "tendon_rotational_stiffness_tri": N_("Stiffness of the calf’s tendon, {at}"),
-    "maximal_torque_tri": N_("Most torque of the calf"),
-    "passive_torque": N_("Torque at rest, {at}"),
-    "passive_stiffness": N_("Stiffness at rest, {at}"),
-    "slow_torque": N_("Torque in a slow stretch, {at}"),
-    "slow_stiffness": N_("Stiffness in a slow stretch, {at}"),
-    "range_at_torque": N_("Angle reached with {at}"),
-    "stiffness_at_torque": N_("Stiffness at rest, with {at}"),
-    "hysteresis": N_("Part of the work that a stretch and its return take"),
-    "neutral_angle": N_("Resting angle"),
-    "relaxed_share": N_("Part that relaxes within {at}"),
-    "active_torque_max_tri": N_("Calf strength used, {at}"),
-    "active_torque_max_tib": N_("Tibialis strength used, {at}"),
-    "optimal_angle_tri": N_("Best angle of the calf"),
-    "activation_half_time": N_("Time to half of the force"),
-    "delay": N_("Delay from EMG to force"),
-}
+MEASURES = PLAIN
 #: Parts of the torque: the measures of their shares.
 PARTS = {
     "tissue_share": N_("tissue"),

@@ -10,7 +10,8 @@ from surae.inference import Adequacy, AssessedFit, Assessment, Grade, Verdict
 from surae.inference.judging.reasons import OF_OTHER_TRIALS, Reason
 from surae.measures import Measure, Measures
 from surae.measures.agreement import said_of
-from surae.measures.change import Change, ChangeVerdict, Difference
+from surae.measures.change import Change
+from surae.measures.difference import ChangeVerdict, Difference
 from surae.measures.norms import Norm, placed
 from surae.measures.table import LEADING
 from surae.measures.torque_curve import HeldPoint, MeasuredSlope, Stretch
@@ -244,16 +245,16 @@ def change_card(change: Change | None, _: Words) -> tuple[block.Block, ...]:
             block.Text(_("Add another visit of this leg to see what changed."), "choose"),
         )
     every = {**change.measures, **change.parameters}
-    found = [every[name] for name in COMPARED if name in every]
-    changed = [_.measure(d.name) for d in found if d.verdict is ChangeVerdict.CHANGED]
-    about = ""
+    found = [d for n, d in every.items() if n in COMPARED or d.asked]
+    found += [d for d in change.changed if d not in found]
+    changed = [d.name for d in change.changed]
+    asked = [d.name for d in change.changed if d.asked]
     if changed:
         how = _("different") if change.legs else _("changed")
-        headline = f"{changed[0]}: {how}"
+        headline = f"{_.measure((asked or changed)[0])}: {how}"
     elif change.is_withheld:
         headline = _("Cannot tell")
-        about = _("one visit’s fit is unreliable, so we can’t say whether the leg changed")
-    elif all(d.verdict is ChangeVerdict.NOT_COMPARABLE for d in found):
+    elif all(d.verdict is ChangeVerdict.NOT_COMPARABLE for d in every.values()):
         headline = _("Cannot compare")
     else:
         headline = _("Not shown")
@@ -261,22 +262,9 @@ def change_card(change: Change | None, _: Words) -> tuple[block.Block, ...]:
     heads = block.columns(
         _("Measure"), *sides(change, _), _("Difference (95 %)"), numbers=(1, 2), wide=(0,)
     )
-    table = block.Grid(_("Measures fixed beforehand"), heads, block.rows(rows), "small")
-    blocks: list[block.Block] = [block.Text(about, "say", headline), table]
-    lead = change.measures.get(COMPARED[0])
-    if lead is not None and lead.smallest is not None:
-        smallest = _.number(significant(lead.smallest, 2))
-        blocks.append(
-            block.Text(
-                _(
-                    "These recordings could have shown a difference in stiffness "
-                    "of {smallest} Nm/° or "
-                    "more.",
-                    smallest=smallest,
-                )
-            )
-        )
-    return tuple(blocks)
+    title = _("Asked beforehand, and what changed")
+    table = block.Grid(title, heads, block.rows(rows), "small")
+    return block.Text(_(change.sentence), "say", headline), table
 
 
 def sides(change: Change, _: Words) -> tuple[str, str]:

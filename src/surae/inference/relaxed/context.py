@@ -36,7 +36,7 @@ _REFLEX = 2.0
 _NO_REFLEX = 0.02
 #: Prior of relaxation: ln γ, and its standard deviation (a third of the elastic torque relaxes,
 #: within a factor of two, over three times).
-_GAMMA = (math.log(0.12), 0.7)
+GAMMA = (math.log(0.12), 0.7)
 #: How unsure the ankle's zero is where nobody measured it [deg], as in a fit (Konor et al. 2012: a
 #: goniometer's standard error is 1.8 to 2.8°).
 _ANGLE_ZERO = 2.5
@@ -146,13 +146,13 @@ def gaussians(
     """
     sds = _context(names, hypothesis)
     inner = len(curve) + len(TAUS)
-    mean = np.concatenate([np.zeros(len(curve)), np.full(len(TAUS), _GAMMA[0]), np.zeros(len(sds))])
+    mean = np.concatenate([np.zeros(len(curve)), np.full(len(TAUS), GAMMA[0]), np.zeros(len(sds))])
     at = {name: inner + names.index(name) for name in SHARED}
     mean[at["weight"]] = _WEIGHT[0] * math.cos(hypothesis.foot_rad)
     mean[at["tilt"]] = _WEIGHT[0] * math.sin(hypothesis.foot_rad)
     mean[at["inertia"]] = _WEIGHT[0] * _LEVER + hypothesis.plate * _PLATE[1]
     mean[at["constant"]] = offset - _WEIGHT[0]
-    spread = np.concatenate([curve, np.full(len(TAUS), _GAMMA[1]), sds])
+    spread = np.concatenate([curve, np.full(len(TAUS), GAMMA[1]), sds])
     precision = np.diag(spread**-2)
     # a heavier foot is a more inert one: inertia − lever·weight is what its spread is of
     along = np.zeros(len(spread))

@@ -1,0 +1,102 @@
+"""What is compared: a fit, the folder of a session, or recordings of a visit; and its rest."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from surae.api.fitted import Fit
+from surae.api.fitting import load
+from surae.api.given import AnyRecording
+from surae.api.relaxing import inputs_of
+from surae.base.errors import InputError
+from surae.base.files import PathLike, shown
+from surae.base.frozen import FrozenDict
+from surae.inference import Adequacy, Grade
+from surae.inference.relaxed.context import UNKNOWN
+from surae.inference.relaxed.curve import RelaxedCurve
+from surae.measures.at_rest import curve_of, relaxed_of
+from surae.measures.compared import Quantities, quantities
+from surae.recording.reading import data_files_below, is_recording
+from surae.signals import ModelInputs
+from surae.trials.folder import INDEX, JOINT, fit_in
+
+#: A visit that is compared: a fit, its file, the folder of a session; or recordings, their folder.
+Visited = Fit | AnyRecording | Sequence[AnyRecording]
+
+
+@dataclass(frozen=True, slots=True)
+class Side:
+    """One visit: its fit, if there is one, and its recordings."""
+
+    fit: Fit | None
+    inputs: tuple[ModelInputs, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of its recordings."""
+        return tuple(each.name for each in self.inputs)
+
+    def curve(self) -> RelaxedCurve | None:
+        """The relaxed curve of its rest; None where there is none."""
+        if any(each.torque is None for each in self.inputs):
+            return None
+        made = curve_of(self.inputs, UNKNOWN) if self.fit is None else relaxed_of(self.fit.result)
+        return made if isinstance(made, RelaxedCurve) else None
+
+    def quantities(self, angles: Sequence[float], end: float) -> Quantities:
+        """What its fit brings to a comparison; nothing without one."""
+        if self.fit is not None:
+            return quantities(self.fit, angles, end)
+        nothing = Adequacy(Grade.ADEQUATE, (), np.nan)
+        return Quantities("", FrozenDict(), nothing, self.names, FrozenDict())
+
+
+def side_of(given: Visited) -> Side:
+    """A visit as it is given.
+
+    Raises
+    ------
+    InputError
+        A file cannot be read, or a folder holds neither a session nor recordings.
+    """
+    if isinstance(given, Fit):
+        return _of_fit(given)
+    if isinstance(given, str) or hasattr(given, "__fspath__"):
+        return _at(Path(given))  # type: ignore[arg-type]
+    several = given if isinstance(given, list | tuple) else [given]
+    return Side(None, inputs_of(several))
+
+
+def _at(place: Path) -> Side:
+    """A visit by its file or folder."""
+    if _is_session(place):
+        return _of_fit(load(fit_in(place)))
+    if place.suffix.lower() == ".json":
+        return _of_fit(load(place))
+    files = [place]
+    if place.is_dir():
+        files = [each for each in data_files_below(place) if is_recording(each)]
+    if not files:
+        raise InputError(f"{shown(place)}: neither a session nor recordings are in this folder")
+    return Side(None, inputs_of(files))
+
+
+def _is_session(place: Path) -> bool:
+    return (place / INDEX).is_file() or (place / JOINT).is_file()
+
+
+def place_of(given: Visited | PathLike) -> object:
+    """What tells two visits apart: a file, files, or the thing itself."""
+    if isinstance(given, list | tuple):
+        return tuple(map(place_of, given))
+    if isinstance(given, str) or hasattr(given, "__fspath__"):
+        path = Path(given)  # type: ignore[arg-type]
+        return (fit_in(path) if _is_session(path) else path).resolve()
+    return id(given)
+
+
+def _of_fit(fit: Fit) -> Side:
+    problem = fit.result.problem
+    return Side(fit, tuple(problem.inputs))

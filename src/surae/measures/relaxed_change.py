@@ -1,0 +1,263 @@
+"""What changed of a relaxed leg between two visits: differences of possible legs, pair by pair.
+
+Both visits are one estimate (`surae.inference.relaxed.pair`): what the leg shares is drawn once and
+cancels, zero, foot and noise are anew. Stiffness and angle at a torque, and the rise over a range,
+ask for no zero of the angle.
+"""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from surae.base.frozen import FrozenDict
+from surae.base.normal import NORMAL
+from surae.base.units import FloatArray
+from surae.base.words import Message
+from surae.inference import Grade
+from surae.inference.relaxed.curve import PossibleLegs, RelaxedCurve
+from surae.inference.relaxed.pair import paired_legs
+from surae.measures.measure import Measure
+from surae.measures.reliability import reliability_of
+from surae.measures.rest import values_of_rest
+
+#: Part of the pairs that has to have a value.
+_ENOUGH = 0.95
+#: Shifts that are tried [deg], and how well one has to be known to be told.
+_SHIFTS = np.arange(-8.0, 8.01, 0.5)
+_KNOWN_SHIFT = 0.7
+#: Angles between two at which curves are laid upon each other [deg], and how many are needed.
+_STEP = 1.0
+_FEWEST = 12
+SHIFT = "curve_shift"
+#: What makes a curve doubtful, and of which kind it is; those that are of foot and nerve are the
+#: same at both visits, if both have them.
+_KINDS = {
+    "relaxed/noisy": "noisy",
+    "relaxed/short": "short",
+    "relaxed/plate": "plate",
+    "relaxed/heavy": "plate",
+    "relaxed/reflex": "reflex",
+}
+_SHARED = frozenset({"plate", "reflex"})
+
+
+@dataclass(frozen=True, slots=True)
+class RestDifference:
+    """A measure of rest at two visits of a leg, and its difference."""
+
+    name: str
+    unit: str
+    meaning: str
+    before: float | None
+    after: float | None
+    difference: float | None  #: After minus before; None where it cannot be compared.
+    ci95: tuple[float, float] | None  #: Of the difference, at the ankle's own angle.
+    #: The same at the angle that the device shows; None of what is at no stated angle.
+    ci95_device: tuple[float, float] | None
+    sd: float | None  #: Of the difference, towards none: of a normal distribution with its p.
+    missing: str = ""  #: Why there is none.
+    from_deg: float | None = None
+    to_deg: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class RestChange:
+    """What rest says of two visits."""
+
+    differences: Mapping[str, RestDifference]  #: By the measure's name.
+    doubt: str  #: Why none of them is judged; empty where they are.
+    alike: float  #: Probability that the tissue relaxes as before; 0 of two legs.
+
+
+def rest_change(
+    before: RelaxedCurve,
+    after: RelaxedCurve,
+    angles: Sequence[float],
+    *,
+    legs: bool = False,
+) -> RestChange:
+    """What changed of the relaxed leg, by one estimate of both visits.
+
+    Parameters
+    ----------
+    before, after : RelaxedCurve
+        Of each visit.
+    angles : sequence of float
+        Where torque and stiffness are compared [deg], of the ankle's own.
+    legs : bool
+        Whether they are two legs, which share nothing.
+
+    Returns
+    -------
+    RestChange
+        Differences over the range that both moved through.
+    """
+    pairs = paired_legs(before, after, one_leg=not legs)
+    moved = (max(before.moved[0], after.moved[0]), min(before.moved[1], after.moved[1]))
+    sides = []
+    for curve, possible in ((before, pairs.before), (after, pairs.after)):
+        common = replace(curve, moved=moved)
+        sides.append({each.name: each for each in values_of_rest(common, possible, angles)})
+    made = {name: _difference(sides[0][name], sides[1][name]) for name in sides[0]}
+    made[SHIFT] = _shift(before, after, pairs.before, pairs.after)
+    return RestChange(FrozenDict(made), _doubt(before, after), pairs.alike)
+
+
+def with_detectable_changes(
+    measures: Iterable[Measure], curve: RelaxedCurve, angles: Sequence[float]
+) -> tuple[Measure, ...]:
+    """Measures of rest with SDC and ICC: of a second visit like this one, the leg unchanged."""
+    again = rest_change(curve, curve, angles).differences
+    made = []
+    for m in measures:
+        d = again.get(m.name)
+        if m.value is None or d is None or d.ci95 is None:
+            note = m.note or Message("measure/no-interval")
+            made.append(replace(m, sdc_note=note))
+            continue
+        sdc = 0.5 * (d.ci95[1] - d.ci95[0])
+        sem = sdc / (NORMAL * math.sqrt(2.0))
+        made.append(replace(m, sdc=sdc, reliability=reliability_of(m.name, m.unit, sem)))
+    return tuple(made)
+
+
+def _doubt(before: RelaxedCurve, after: RelaxedCurve) -> str:
+    """Why none is judged: a doubt that both visits do not share, so that it does not cancel."""
+    kinds = [_doubts(curve) for curve in (before, after)]
+    for place, own, other in zip(("before", "after"), kinds, reversed(kinds), strict=True):
+        for kind, reason in own.items():
+            if kind not in _SHARED or kind not in other:
+                return Message(f"change/doubtful/rest/{place}", reason=reason)
+    return ""
+
+
+def _doubts(curve: RelaxedCurve) -> dict[str, str]:
+    """What makes a curve doubtful, by its kind."""
+    if curve.grade is Grade.ADEQUATE:
+        return {}
+    codes = {getattr(each, "code", ""): each for each in curve.findings}
+    made = {kind: codes[code] for code, kind in _KINDS.items() if code in codes}
+    return made or {"": curve.findings[0]}
+
+
+def _difference(first: Any, second: Any) -> RestDifference:
+    """A difference of two measures' values, pair by pair."""
+    bare = RestDifference(first.name, first.unit, first.meaning, None, None, None, None, None, None)
+    if first.span is not None:
+        bare = replace(bare, from_deg=first.span[0], to_deg=first.span[1])
+    lacking = first.missing or second.missing
+    if lacking:
+        if not (first.missing and second.missing):
+            side = "after" if second.missing else "before"
+            lacking = Message(f"change/only/{side}", why=lacking)
+        return _one_sided(replace(bare, missing=lacking), first, second)
+    there = np.isfinite(first.ankle) & np.isfinite(second.ankle)
+    if there.mean() < _ENOUGH:
+        return replace(bare, missing=Message("measure/lacking"))
+    made = bare
+    ankle = (second.ankle - first.ankle)[there]
+    device = (second.device - first.device)[there]
+    values = [float(np.median(each.device[there])) for each in (first, second)]
+    difference = values[1] - values[0]
+    low, high = _widest(_ends(ankle), _ends(device))
+    low, high = min(low, difference), max(high, difference)
+    return replace(
+        made,
+        before=values[0],
+        after=values[1],
+        difference=difference,
+        ci95=(low, high),
+        ci95_device=_ends(device) if first.at_angle else None,
+        sd=_towards_none(difference, (low, high)),
+    )
+
+
+def _one_sided(bare: RestDifference, first: Any, second: Any) -> RestDifference:
+    """With the value of the side that has one."""
+    before, after = (
+        None if side.device is None else float(np.nanmedian(side.device))
+        for side in (first, second)
+    )
+    return replace(bare, before=before, after=after)
+
+
+def _ends(values: FloatArray) -> tuple[float, float]:
+    low, high = np.quantile(values, [0.025, 0.975])
+    return float(low), float(high)
+
+
+def _widest(one: tuple[float, float], other: tuple[float, float]) -> tuple[float, float]:
+    """What holds both intervals: an unsure zero makes nothing surer."""
+    return min(one[0], other[0]), max(one[1], other[1])
+
+
+def _towards_none(difference: float, ci95: tuple[float, float]) -> float:
+    """Standard error of which the interval's half on the side of no change is 95 %'s."""
+    half = difference - ci95[0] if difference > 0.0 else ci95[1] - difference
+    return max(half / NORMAL, 1e-12)
+
+
+def _shift(
+    before: RelaxedCurve, after: RelaxedCurve, first: PossibleLegs, second: PossibleLegs
+) -> RestDifference:
+    """By how much the curve lies further towards dorsiflexion; None where the device's is unsure.
+
+    The least squares of E₂(θ) − a·E₁(θ − δ) − c over angles both rested at, by pair: a curve that
+    is shifted and one that is weaker look alike but for a toe or a capsule.
+    """
+    bare = RestDifference(
+        SHIFT,
+        "deg",
+        "By how much the curve of the relaxed ankle lies further towards dorsiflexion, whatever "
+        "its size.",
+        None,
+        None,
+        None,
+        None,
+        None,
+        None,
+    )
+    shifts = shift_of(before, after, first, second)
+    if shifts is None or float(np.std(shifts)) >= _KNOWN_SHIFT:
+        return replace(bare, missing=Message("change/no-shift", degrees=_KNOWN_SHIFT))
+    middle = float(np.median(shifts))
+    device = _ends(shifts)
+    # on the device an unchanged leg is shifted by how it was mounted: the zeros are anew
+    ankle = _widest(_ends(shifts + second.zero - first.zero), device)
+    return replace(
+        bare, difference=middle, ci95=ankle, ci95_device=device, sd=_towards_none(middle, ankle)
+    )
+
+
+def shift_of(
+    before: RelaxedCurve, after: RelaxedCurve, first: PossibleLegs, second: PossibleLegs
+) -> FloatArray | None:
+    """The shift of each pair [deg], shape (n,); None where curves overlap too little."""
+    reach = float(_SHIFTS[-1])
+    low = max(after.low, before.low)
+    high = min(after.high, before.high)
+    degrees = np.arange(low, high, _STEP)
+    if len(degrees) < _FEWEST:
+        return None
+    aim = second.weights @ after.basis.features(degrees).T
+    aim = aim - aim.mean(axis=1, keepdims=True)
+    left = []
+    for shift in _SHIFTS:
+        at = np.clip(degrees - shift, before.low - reach, before.high + reach)
+        laid = first.weights @ before.basis.features(at).T
+        laid = laid - laid.mean(axis=1, keepdims=True)
+        along = (laid * aim).sum(axis=1) ** 2 / np.maximum((laid**2).sum(axis=1), 1e-12)
+        left.append((aim**2).sum(axis=1) - along)
+    costs = np.array(left)
+    best = np.clip(costs.argmin(axis=0), 1, len(_SHIFTS) - 2)
+    row = np.arange(costs.shape[1])
+    a, b, c = (costs[best + k, row] for k in (-1, 0, 1))
+    bend = a - 2.0 * b + c
+    part = np.where(bend > 0.0, 0.5 * (a - c) / np.maximum(bend, 1e-12), 0.0)
+    made: FloatArray = _SHIFTS[best] + np.clip(part, -1.0, 1.0) * (_SHIFTS[1] - _SHIFTS[0])
+    if math.isnan(float(made.sum())):
+        return None
+    return made
