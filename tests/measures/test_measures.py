@@ -217,7 +217,7 @@ def test_files(still, tmp_path) -> None:
 @pytest.mark.slow
 def test_intervals_hold_the_truth_of_richer_legs(fitted) -> None:
     """Twelve legs; the count over many more is in the page on measures."""
-    held, claimed = [], []
+    held, claimed, by_model = [], [], []
     for seed in range(12):
         fit, truth = fitted(seed, rate_hz=128.0)
         true = measures_of_values(truth, "muscle-tendon")
@@ -225,8 +225,10 @@ def test_intervals_hold_the_truth_of_richer_legs(fitted) -> None:
             if m.name in true and m.ci95 and not m.name.startswith("torque_per_emg"):
                 inside = m.ci95[0] <= true[m.name] <= m.ci95[1]
                 held.append(inside)
+                if m.basis == "model":
+                    by_model.append(m.verdict is Verdict.IDENTIFIED)
                 if m.verdict is Verdict.IDENTIFIED:
                     claimed.append(inside)
     assert np.mean(held) >= 0.85
     assert np.mean(claimed) >= 0.85
-    assert len(claimed) > 0.4 * len(held)
+    assert np.mean(by_model) > 0.4  # rest of some seconds claims little
