@@ -162,19 +162,21 @@ def test_measures_are_what_small_steps_of_the_printed_equations_give(seed, compl
         assert told[name] == pytest.approx(value, rel=5e-3), name
 
 
-@pytest.mark.parametrize("seed", [0, 2, 5])
-def test_the_range_at_a_torque_is_where_the_equations_have_it(seed) -> None:
-    p = random_leg(seed)
-    told = measures_of_values(p, "muscle-tendon")
-    ranges = {n: at for n, at in told.items() if n.startswith("range_at_torque")}
-    assert ranges
-    for name, at in ranges.items():
-        wanted = float(name.partition("@")[2].removesuffix("Nm"))
-        assert both(p, at) == pytest.approx(wanted, rel=5e-3)
-    if "stiffness_at_torque@10Nm" in told:
-        at = told["range_at_torque@10Nm"]
-        slope = (both(p, at + 0.05) - both(p, at - 0.05)) / 0.1
-        assert told["stiffness_at_torque@10Nm"] == pytest.approx(slope, rel=5e-3)
+def test_the_range_at_a_torque_is_where_the_equations_have_it() -> None:
+    slopes = 0
+    for seed in range(10):
+        p = random_leg(seed)
+        told = measures_of_values(p, "muscle-tendon")
+        for name, at in told.items():
+            if name.startswith("range_at_torque"):
+                wanted = float(name.partition("@")[2].removesuffix("Nm"))
+                assert both(p, at) == pytest.approx(wanted, rel=5e-3)
+        if "stiffness_at_torque@10Nm" in told:
+            at = told["range_at_torque@10Nm"]
+            slope = (both(p, at + 0.05) - both(p, at - 0.05)) / 0.1
+            assert told["stiffness_at_torque@10Nm"] == pytest.approx(slope, rel=1e-2)
+            slopes += 1
+    assert slopes
 
 
 @pytest.mark.parametrize("compliant", [False, True])
