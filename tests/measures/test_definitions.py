@@ -165,8 +165,8 @@ def test_measures_are_what_small_steps_of_the_printed_equations_give(seed, compl
 def test_the_range_at_a_torque_is_where_the_equations_have_it() -> None:
     slopes = 0
     for seed in range(10):
-        p = random_leg(seed)
-        told = measures_of_values(p, "muscle-tendon")
+        p = {n: v for n, v in random_leg(seed).items() if not n.startswith(("dlt", "pt"))}
+        told = measures_of_values(p, "muscle")
         for name, at in told.items():
             if name.startswith("range_at_torque"):
                 wanted = float(name.partition("@")[2].removesuffix("Nm"))
