@@ -175,10 +175,28 @@ def test_measures_are_what_small_steps_of_the_printed_equations_give(seed, compl
         p = {n: v for n, v in p.items() if not n.startswith(("dlt", "pt"))}
     told = measures_of_values(p, "muscle-tendon" if compliant else "muscle")
     truth = expected(p)
-    tested_below = {n for n in told if n.startswith(("dissipated", "damping", "slow_"))}
+    below = ("dissipated", "damping", "slow_", "range_at_torque", "stiffness_at_torque")
+    tested_below = {n for n in told if n.startswith(below)}
     assert set(told) - tested_below == set(truth)
     for name, value in truth.items():
         assert told[name] == pytest.approx(value, rel=5e-3), name
+
+
+def test_the_range_at_a_torque_is_where_the_equations_have_it() -> None:
+    slopes = 0
+    for seed in range(10):
+        p = {n: v for n, v in random_leg(seed).items() if not n.startswith(("dlt", "pt"))}
+        told = measures_of_values(p, "muscle")
+        for name, at in told.items():
+            if name.startswith("range_at_torque"):
+                wanted = float(name.partition("@")[2].removesuffix("Nm"))
+                assert both(p, at) == pytest.approx(wanted, rel=5e-3)
+        if "stiffness_at_torque@10Nm" in told:
+            at = told["range_at_torque@10Nm"]
+            slope = (both(p, at + 0.05) - both(p, at - 0.05)) / 0.1
+            assert told["stiffness_at_torque@10Nm"] == pytest.approx(slope, rel=1e-2)
+            slopes += 1
+    assert slopes
 
 
 @pytest.mark.parametrize("compliant", [False, True])

@@ -172,13 +172,13 @@ def judged_measures(
     """All these measures of a fit: by rest alone what its rest tells, the others by its model."""
     curve = relaxed_of(fit.result)
     if not isinstance(curve, RelaxedCurve):
-        return _by_model(fit, wanted)
+        return measures_by_model(fit, wanted)
     angles = tuple(dict.fromkeys(p.at for p in wanted if p.definition.at == "deg"))
     end = next((p.at for p in wanted if p.definition.span), math.inf)
     own = {each.measure.name: each for each in measures_at(curve, fit.result, angles, end)}
     others = tuple(point for point in wanted if point.name not in own)
     why = two_tissues(fit)
-    modelled = {each.point: (each, _doubted(m, why)) for each, m in _by_model(fit, others)}
+    modelled = {each.point: (each, _doubted(m, why)) for each, m in measures_by_model(fit, others)}
     size = len(fit.assessment.uncertainty.names)
     return tuple(modelled.get(p) or _by_rest(p, own[p.name], size) for p in wanted)
 
@@ -219,7 +219,7 @@ def _by_rest(point: MeasurePoint, told: RestMeasure, size: int) -> tuple[Evaluat
     return evaluated, told.measure
 
 
-def _by_model(
+def measures_by_model(
     fit: AssessedFit, wanted: tuple[MeasurePoint, ...]
 ) -> tuple[tuple[Evaluated, Measure], ...]:
     """All these measures of a fit, each with its derivatives."""
