@@ -14,7 +14,6 @@ from surae.model.knowledge import Knowledge
 from surae.model.source_table import ARM_SIZE, GEAR, GEAR_OF_TABLE
 from surae.model.statements import StatedArm
 from surae.model.symmetry import with_paths
-from surae.settings import FitSettings
 
 EXACT = {"arm": (0.0, 0.0)}
 MUSCLE = ("k_tri", "k_tib", "x0_tri", "x0_tib", "l0_tri", "l0_tib", "dlt_tri", "g1", "g3")
@@ -198,7 +197,7 @@ def test_a_persons_own_table_tells_the_path_but_for_pennation(
     path.write_text("\n".join(rows), encoding="utf-8")
     generic = arms_of(inputs, geometry=str(path))
     # of auto alone may be said whose it is; there departures of arms and paths are sampled too
-    monkeypatch.setattr(FitSettings, "geometry_of", property(lambda _: "person"))
+    monkeypatch.setattr("surae.inference.uncertainty.arms_and_paths._is_own", lambda _: True)
     known = arms_of(inputs, geometry=str(path))
     assert known.centre["path_scale_tri"] == pytest.approx(0.0, abs=1e-9)
     assert known.rows["path_size"][0] == {"path_scale_tri": GEAR_OF_TABLE}

@@ -114,8 +114,17 @@ def test_what_nobody_called_relaxed_is_not_taken_for_it() -> None:
     tone = np.full((len(time), 4), 8e-5)
     recording = measured(TOE, 5, emg=tone, beside=_GAIN * 8e-5)
     told = fitted(recording).measures()
-    assert told.rest.missing.code == "rest/no-effort"
-    assert {m.basis for m in told.values()} == {"model"}
+    by_rest = [m for m in told.values() if m.basis == "rest"]
+    assert by_rest
+    assert not any(m.verdict is Verdict.IDENTIFIED for m in by_rest)
+
+
+def test_no_unit_of_the_emg_changes_what_rest_tells() -> None:
+    silent = np.full((len(movement()[0]), 4), 1e-6)
+    one, other = (fitted(measured(TOE, 5, emg=silent * times)).measures() for times in (1.0, 1e5))
+    for name in ("slow_stiffness@10deg", "end_stiffness", "torque_rise"):
+        assert one[name].basis == other[name].basis == "rest"
+        assert one[name].ci95 == pytest.approx(other[name].ci95, rel=1e-9)
 
 
 def test_the_muscles_doubts_do_not_touch_rest_and_rests_own_do(fit) -> None:

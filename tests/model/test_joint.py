@@ -282,6 +282,8 @@ def test_every_translated_word_of_the_ankle_has_another_joints_in_its_place(lang
     own = {text for room in rooms for *_, text in literals_of(room)} - of_legs
     with catalogue(language).open("rb") as file:
         said = [m for m in read_po(file) if m.id and np.atleast_1d(m.id)[0] in own]
+    # what rest tells is told of the ankle alone
+    said = [m for m in said if not np.atleast_1d(m.id)[0].startswith(("relaxed/", "rest/"))]
     texts = [text for m in said for text in np.atleast_1d(m.string)]
     worded = {text: wrist.worded(str(text), language) for text in texts}
     assert [text for text in texts if TRANSLATED.search(worded[text])] == NORMS[language]

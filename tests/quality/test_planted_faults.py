@@ -47,6 +47,9 @@ def test_every_code_has_a_fault_here_or_a_test_elsewhere() -> None:
         "angle-sign",
         "electrodes-swapped",  # test_explanations.py
         "as-read",  # test_unusable.py
+        "emg-clock",
+        "emg-above-mvc",
+        "no-shared-span",  # tests/cli/test_inspect_layouts.py
         "stretch-series",  # test_perturbed.py
         "not-used",
         "torque-drift",

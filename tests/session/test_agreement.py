@@ -14,7 +14,7 @@ from surae.base.names import LANGUAGES
 from surae.inference import Verdict
 from surae.inference.judging.adequacy import doubted
 from surae.inference.judging.reasons import OF_OTHER_TRIALS, OF_STIFFNESS, against
-from surae.measures.compared import quantities
+from surae.measures.compute import measures_by_model, points
 from surae.quality import Finding
 from surae.report.language import words_in
 from surae.report.leg_cards import share_words
@@ -87,14 +87,14 @@ def disputed(done):
 
 def test_what_a_trial_contradicts_is_given_by_no_door(disputed):
     before = disputed.fits["walk 1"].measures()
-    told = disputed.joint.measures()
+    # what rest tells is not the fit's, and stays
+    assert disputed.joint.measures()["end_stiffness"].basis == "rest"
+    told = {m.name: m for _, m in measures_by_model(disputed.joint, points([0.0, 10.0]))}
     for name in ("end_stiffness", "end_torque", "passive_stiffness@10deg", "slow_torque@0deg"):
         assert told[name].verdict is Verdict.UNDETERMINED
         assert "walk 2" in told[name].note
         assert "walk 2" not in before[name].note
     assert "walk 2" not in told["active_torque_max_tri@0deg"].note.partition("doubtful")[0]
-    q = quantities(disputed.joint, [10.0]).by_name["end_stiffness"]
-    assert "walk 2" in q.missing
     stiff = f"{told['end_stiffness'].value:.2g}"
     assert not disputed.answers()["How stiff is it?"].startswith(f"{stiff} Nm/°")
 

@@ -207,8 +207,8 @@ def test_all_fields_at_once_are_one_request(trial, monkeypatch) -> None:
             "tendon_strain has no effect with model muscle",
         ),
         (
-            {"model": "muscle", "knowledge": {"arm_tri_mm": {"value": 50.0, "sd": 3.0}}},
-            "knowledge: arm_tri_mm has no effect with model muscle",
+            {"model": "muscle", "knowledge": {"mass_kg": 70.0}},
+            "knowledge: mass_kg has no effect with model muscle",
         ),
     ],
 )
@@ -218,13 +218,13 @@ def test_a_draft_refuses_what_its_model_does_not_read(change, says) -> None:
 
 
 def test_what_a_draft_has_of_another_model_waits_for_it() -> None:
-    known = {"arm_tri_mm": {"value": 50.0, "sd": 3.0}, "angle_zero_deg": {"value": 2.0, "sd": 1.0}}
+    known = {"mass_kg": 70.0, "angle_zero_deg": {"value": 2.0, "sd": 1.0}}
     draft = changed(empty_draft(), DraftChange(nuisances="none", knowledge=known).plain())
     named = changed(draft, DraftChange(model="muscle").plain())
     named = changed(named, DraftChange(starts=3).plain())
     asked_of_it = settings_of(named, ["a"])
     assert asked_of_it.estimator == LeastSquaresOptions(starts=3)
-    assert asked_of_it.knowledge.arm_tri_mm is None
+    assert asked_of_it.knowledge.mass_kg is None
     assert asked_of_it.fixed == {"angle_zero": math.radians(2.0)}
     again = settings_of(changed(named, DraftChange(model="auto").plain()), ["a"])
     assert again == settings_of(draft, ["a"])

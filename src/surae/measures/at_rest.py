@@ -5,8 +5,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 
-import numpy as np
-
 from surae.base.threads import one_blas_thread
 from surae.base.words import Message
 from surae.inference import FitResult
@@ -14,14 +12,10 @@ from surae.inference.relaxed.build import relaxed_curve
 from surae.inference.relaxed.context import Laboratory
 from surae.inference.relaxed.curve import RelaxedCurve
 from surae.measures.measure import RestSaid
+from surae.measures.relaxed_change import with_detectable_changes
 from surae.measures.rest import RestMeasure, rated_measures
 from surae.model.joint import ANKLE
 from surae.signals import ModelInputs
-
-#: Largest EMG of a muscle that does nothing, in volts and as a part of a reference: as checks of
-#: recordings have it (`surae.quality.emg`, `surae.quality.activity`).
-_REST = {"V": 2e-5, "1": 0.03}
-_LARGEST = 0.995
 
 
 @one_blas_thread()
@@ -35,24 +29,12 @@ def relaxed_of(result: FitResult) -> RelaxedCurve | Message:
     """The relaxed curve of a fit's recordings, or why their rest tells none.
 
     It is made of the recordings that are in the fit, and saved with it, so that it is the same
-    wherever it is asked for. Who fits does not say that a leg rests: where no electrode shows any
-    effort, EMG has to be as small as that of a muscle that does nothing.
+    wherever it is asked for.
     """
     problem = result.problem
     if problem.options.anatomy != ANKLE:
         return Message("rest/joint")
-    curve = curve_of(problem.inputs, Laboratory.of(problem.settings))
-    if isinstance(curve, RelaxedCurve) and curve.is_declared and not _silent(problem.inputs):
-        return Message("rest/no-effort")
-    return curve
-
-
-def _silent(inputs: Sequence[ModelInputs]) -> bool:
-    """Whether no electrode shows more than a muscle that does nothing."""
-    return all(
-        float(np.quantile(each.emg, _LARGEST, axis=0).max()) <= _REST[each.emg_unit]
-        for each in inputs
-    )
+    return curve_of(problem.inputs, Laboratory.of(problem.settings))
 
 
 def measures_at(
@@ -63,8 +45,10 @@ def measures_at(
     Angles of ranges are those of the fit, in which a zero that was given is counted.
     """
     zero = math.degrees(result.values.get("angle_zero", 0.0))
-    told = rated_measures(curve, angles, end - zero)
-    return tuple(_turned(each, zero) for each in told if each.measure.value is not None)
+    rated = [m for m in rated_measures(curve, angles, end - zero) if m.measure.value is not None]
+    with_sdc = with_detectable_changes([each.measure for each in rated], curve, angles)
+    told = (replace(each, measure=m) for each, m in zip(rated, with_sdc, strict=True))
+    return tuple(_turned(each, zero) for each in told)
 
 
 def _turned(told: RestMeasure, zero: float) -> RestMeasure:

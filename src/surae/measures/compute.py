@@ -180,7 +180,8 @@ def judged_measures(
     why = two_tissues(fit)
     modelled = {each.point: (each, _doubted(m, why)) for each, m in measures_by_model(fit, others)}
     size = len(fit.assessment.uncertainty.names)
-    return tuple(modelled.get(p) or _by_rest(p, own[p.name], size) for p in wanted)
+    assumed = curve.is_declared
+    return tuple(modelled.get(p) or _by_rest(p, own[p.name], size, assumed=assumed) for p in wanted)
 
 
 @lru_cache(maxsize=4)
@@ -210,13 +211,23 @@ def _doubted(m: Measure, why: Message | None) -> Measure:
     return replace(m, verdict=Verdict.UNDETERMINED, note=why)
 
 
-def _by_rest(point: MeasurePoint, told: RestMeasure, size: int) -> tuple[Evaluated, Measure]:
-    """A measure by rest alone, which none of so many parameters moves."""
+def _by_rest(
+    point: MeasurePoint, told: RestMeasure, size: int, *, assumed: bool
+) -> tuple[Evaluated, Measure]:
+    """A measure by rest alone, which none of so many parameters moves.
+
+    Who fits does not say that a leg rests: where no electrode shows an effort, a muscle that never
+    lets go looks like one that does nothing, in whatever unit. Rest is `assumed` then, and nothing
+    claimed.
+    """
+    measure = told.measure
+    if assumed and measure.verdict is Verdict.IDENTIFIED:
+        measure = replace(measure, verdict=Verdict.WEAK, note=Message("rest/no-effort"))
     assert told.total is not None
     assert told.session is not None
     deviations = told.total, told.session
     evaluated = Evaluated(point, told.measure.value, np.zeros(size), deviations=deviations)
-    return evaluated, told.measure
+    return evaluated, measure
 
 
 def measures_by_model(

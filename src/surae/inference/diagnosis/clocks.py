@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from surae.inference.diagnosis.explanations import EVIDENCE
 from surae.inference.diagnosis.quick import QuickFit, percent, quick_fit
 from surae.quality import Finding
 from surae.quality.finding import make_finding
@@ -155,14 +156,20 @@ def _moved(signals: Signals, lag: float, rate: float) -> Signals:
 
 
 def clock_finding(drift: ClockDrift, signals: Signals) -> Finding:
-    """What is said of a drift, and the line of a mapping that corrects it."""
+    """What is said of a drift, and the line of a mapping that corrects it.
+
+    It is an error only where the odds for it are those that are asked of every such claim.
+    """
     start, end = span_of(signals.time)
+    gain = float(np.log(drift.before.unexplained / drift.after.unexplained))
+    certain = drift.after.samples * gain >= EVIDENCE
     low, high = sorted(abs(edge) for edge in drift.ci95)
     return make_finding(
         f"emg-clock/{'fast' if drift.rate > 0.0 else 'slow'}",
         None,
         (start, end),
         drift.rate,
+        severity="error" if certain else "warning",
         rate=1e3 * abs(drift.rate),
         low=1e3 * low,
         high=1e3 * high,

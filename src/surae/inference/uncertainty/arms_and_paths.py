@@ -217,7 +217,7 @@ def _known(result: FitResult, group: str) -> list[tuple[str, dict[str, float], d
     gear = assumed_gear(problem.options, group)
     gear *= math.exp(values.get(path, 0.0) - values.get(arm, 0.0))
     known = GEAR
-    if problem.settings.geometry_of == GEOMETRY_OF[1]:
+    if _is_own(problem):
         known = Gaussian(math.log(assumed_gear(problem.options, group)), GEAR_OF_TABLE)
     if not math.isfinite(gear):
         gear = math.exp(known.mean)
@@ -235,11 +235,16 @@ def _known(result: FitResult, group: str) -> list[tuple[str, dict[str, float], d
     ]
 
 
+def _is_own(problem: FitProblem) -> bool:
+    """Whether the geometry is the person's own."""
+    return problem.settings.geometry_of == GEOMETRY_OF[1]
+
+
 def _stated(problem: FitProblem) -> dict[str, Gaussian]:
     """What was stated of arms and paths, as logarithms over the assumed ones."""
     settings = problem.settings
     stated = dict[str, Gaussian]()
-    if settings.geometry_of == GEOMETRY_OF[1]:
+    if _is_own(problem):
         priors = laboratory(measured=True, joint=problem.options.anatomy)
         stated |= {n: priors[n] for n in (f"{ARM}_{group}" for group in GROUPS)}
     if settings.knowledge is not None:
