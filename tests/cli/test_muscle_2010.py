@@ -48,7 +48,8 @@ def test_simulated_fitted_reported_and_validated(run, old) -> None:
     assert list(content["parameters"]) == list(TRUTH)
     for name, value in TRUTH.items():
         assert content["parameters"][name]["value"] == pytest.approx(value, rel=1e-5)
-        assert content["parameters"][name]["verdict"] == "identified"
+        tied = name[0] not in "mf"  # this model ties muscles to the assumed arm and path
+        assert content["parameters"][name]["verdict"] == ("undetermined" if tied else "identified")
     assert content["parameters"]["F0"]["lower"] < 0
     page = (old / "r.html").read_text(encoding="utf-8")
     assert "force shift, triceps surae" in page

@@ -148,7 +148,7 @@ def _run_surae(words: list[str], surae, named: bool) -> None:
         with command.make_context("surae", list(rest)):
             return
     for called, more in QUICKER.items():
-        if " ".join(words).startswith(called) and "--session" not in words:
+        if " ".join(words).startswith(called) and not {"--session", "auto"} & {*words}:
             options = zip(more[::2], more[1::2], strict=True)
             words = [*words, *(part for pair in options if pair[0] not in words for part in pair)]
     surae(words)

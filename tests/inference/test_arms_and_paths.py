@@ -80,7 +80,7 @@ def test_budget_says_what_it_rests_on(auto) -> None:
     assert p.budget["path_size"] > 0.8
     assert "of which arms and paths" in p.note
     assert "film the muscle" in p.note
-    assert "state the leg’s own arm" in assess(auto).parameters["g1"].note
+    assert "state this person’s own arm" in assess(auto).parameters["g1"].note
 
 
 def test_measures_do_not_move_but_for_tendons_and_slack(auto, known) -> None:

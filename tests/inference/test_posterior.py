@@ -163,11 +163,13 @@ def test_a_fit_gives_draws_with_its_own_intervals_and_correlations(fitted):
         half = (p.ci95[1] - p.ci95[0]) / 2
         found = np.quantile(drawn[name].values, [0.025, 0.5, 0.975])
         bends = 0.05 + 0.6 * half / abs(p.value)  # on a logarithm what is wide reaches higher
-        assert np.abs(found - [p.ci95[0], p.value, p.ci95[1]]).max() < bends * half
+        # arms and paths move the middle: intervals are about the mean of what these may be
+        middle = np.sqrt(p.ci95[0] * p.ci95[1]) if p.budget.get("path_size") else p.value
+        assert np.abs(found - [p.ci95[0], middle, p.ci95[1]]).max() < bends * half
     names = fit.covariance.names
-    k, x0 = names.index("k_tri"), names.index("x0_tri")
+    k, x0 = names.index("m"), names.index("k_rel")
     assert dict(drawn.sizes) == {"chain": 4, "draw": 5000}
-    r = np.corrcoef(drawn["k_tri"].values.ravel(), drawn["x0_tri"].values.ravel())[0, 1]
+    r = np.corrcoef(drawn["m"].values.ravel(), drawn["k_rel"].values.ravel())[0, 1]
     assert r == pytest.approx(fit.covariance.correlation[k, x0], abs=0.03)
     assert fit.to_inference_data(seed=1).equals(fit.to_inference_data(seed=1))
 

@@ -33,7 +33,7 @@ def test_priors_are_in_the_settings_and_at_the_parameters(informed, plain):
     settings = settings_of(content)
     assert settings["Priors"] == "l0_tri = 0.044 / 0.2, k_rel = 0.4 / 0.5"
     rows = rows_of(content)
-    assert rows["l0_tri"]["Verdict"].why.endswith("with prior 0.044 ± 20 %")
+    assert "with prior 0.044 ± 20 %" in rows["l0_tri"]["Verdict"].why
     assert "prior" not in rows["l0_tib"]["Verdict"].why
     assert "; with prior 0.044 ± 20 %" in informed.words
     assert "the prior, one standard deviation to either side" in informed.words

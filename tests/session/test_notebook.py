@@ -260,7 +260,7 @@ def test_everything_that_is_given_back_says_in_a_few_lines_what_it_is(fit, trial
     for answer in answers:
         text = repr(answer)
         assert len(text) < 10_000, type(answer)
-        assert len(text.splitlines()) < 80, type(answer)
+        assert len(text.splitlines()) < 100, type(answer)
         assert "array(" not in text, type(answer)
         assert f"{type(answer).__name__}(" not in text
 

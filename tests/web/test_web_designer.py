@@ -35,7 +35,7 @@ def test_a_preview_comes_in_seconds(browser) -> None:
     assert any(step["given"].get("device") == "achilles" for step in shown["adaptation"])
     told = shown["prediction"]["parameters"]
     assert "dlt_tri" not in told  # model 2.0 takes it for known
-    assert told["l0_tri"]["verdict"] == "identified"
+    assert told["l0_tri"]["verdict"] == "weak"  # it rests on arms and paths
     velocity = next(limit for limit in shown["limits"] if "velocity" in limit["text"])
     assert not velocity["exceeded"]
 

@@ -232,8 +232,8 @@ class ChangeSettings(Request):
     )
     question: tuple[str, ...] = setting(
         (),
-        "What was asked before the second visit was opened, by name: judged at the full level; all "
-        "else is exploratory.",
+        "Names of measures that were in question before the second visit was opened, judged at "
+        "the full level; all else is exploratory.",
         option="question",
         metavar="NAME",
         help="A measure asked beforehand, as torque_rise or slow_stiffness@10deg; may be repeated. "

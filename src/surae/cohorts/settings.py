@@ -23,7 +23,8 @@ class CohortSettings(Request):
     )
     question: tuple[str, ...] = setting(
         (),
-        "What was asked beforehand, by name: judged at the full level; all else is exploratory.",
+        "Names of measures that were in question beforehand, judged at the full level; all else is "
+        "exploratory.",
         option="question",
         metavar="NAME",
         help="A measure asked beforehand, as end_stiffness; may be repeated. All else is "

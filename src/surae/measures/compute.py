@@ -237,8 +237,9 @@ def measures_by_model(
     if not wanted:
         return ()
     evaluated = evaluate(fit.result, fit.assessment.uncertainty, wanted)
-    drawn = _drawn(fit.result, fit.assessment.uncertainty, evaluated)
-    return tuple((each, _measure(each, drawn.get(each.point.name), fit)) for each in evaluated)
+    with np.errstate(over="ignore", invalid="ignore"):  # of a fit that overflows
+        drawn = _drawn(fit.result, fit.assessment.uncertainty, evaluated)
+        return tuple((each, _measure(each, drawn.get(each.point.name), fit)) for each in evaluated)
 
 
 def evaluate(
@@ -402,7 +403,8 @@ def _measure(evaluated: Evaluated, drawn: FloatArray | None, fit: AssessedFit) -
         if np.isnan(drawn).mean() > _LACKING:
             return replace(bare, note=Message("measure/lacking"))
         low, high = np.nanpercentile(drawn, [2.5, 97.5]).tolist()
-        ci95 = (min(low, value), max(high, value))
+        least = 0.0 if unit == "mJ" else -math.inf  # work that is lost is positive by nature
+        ci95 = (max(min(low, value), least), max(high, value))
         method = "draws"
     elif not definition.of_recordings:
         pass

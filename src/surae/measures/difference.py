@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from surae.base.file_form import filed
-from surae.base.formatting import significant
 from surae.base.words import Message
 from surae.inference.judging.parameter import percent
 from surae.measures.plain import PLAIN, plain_name
@@ -72,8 +71,8 @@ def sentence_of(every: Sequence[Difference], looked: int, *, legs: bool) -> Mess
 
     said = {
         "what": what,
-        "low": significant(lead.ci95[0], 2),
-        "high": significant(lead.ci95[1], 2),
+        "low": Message("{end:.2g}", end=lead.ci95[0]),
+        "high": Message("{end:.2g}", end=lead.ci95[1]),
     }
     side = "legs" if legs else "visits"
     smallest = sized(lead.smallest or 0.0, lead.smallest or 0.0)

@@ -84,7 +84,7 @@ class RestSaid:
     def lines(self) -> tuple[str, ...]:
         """What tables say above their rows."""
         if self.grade is None or self.range_deg is None:
-            return (f"relaxed ankle: by the model alone; {self.missing}",) if self.missing else ()
+            return (f"relaxed joint: by the model alone; {self.missing}",) if self.missing else ()
         low, high = (f"{each:.0f}°".replace("-", "−") for each in self.range_deg)
         rests = f"relaxed ankle: {self.grade}; {self.seconds:.3g} s of rest, {low} to {high}"
         return (rests, *self.findings, *filter(None, [self.conflict]))

@@ -6,7 +6,7 @@ PLAIN = {
     "end_stiffness": N_("Stiffness at the end of the range"),
     "end_torque": N_("Torque at the end of the range"),
     "torque_rise": N_("Rise of the torque over the range"),
-    "passive_exponent_tri": N_("How steeply the calf stiffens"),
+    "passive_exponent_tri": N_("Rise of the calf’s stiffness with the angle"),
     "active_width_tri": N_("Width of the calf’s active range"),
     "tendon_rotational_stiffness_tri": N_("Stiffness of the calf’s tendon, {at}"),
     "maximal_torque_tri": N_("Most torque of the calf"),

@@ -46,6 +46,7 @@ _GROWTH = (
     (16.0, 167.5),
     (18.0, 170.0),
 )
+#: How far a child's height is from the median of its age [%], and the age from which it is none.
 _STATURE_SD = 5.0
 _GROWN = 18.0
 #: Mass of a foot over the body's (Winter 2009), of a foot plate [kg], and how far off both are.

@@ -149,8 +149,12 @@ def measure_next_of(
             return _nothing("fits-none", seconds=longest)
         _, ready, trajectory, adds = best
         halves = [after(k * adds) for k in range(1, MOST + 1)]
+    # no trial tells arms and paths
+    rests = {n for n in weak if assessment.uncertainty.goes_with_geometry(n)}
     many: dict[str, int | None] = {
-        n: next((k for k, h in enumerate(halves, 1) if h[n] <= _SURELY * IDENTIFIED), None)
+        n: None
+        if n in rests
+        else next((k for k, h in enumerate(halves, 1) if h[n] <= _SURELY * IDENTIFIED), None)
         for n in weak
     }
     gained = {n: _capped(halves[0][n]) / _capped(before[n]) for n in weak}

@@ -183,13 +183,15 @@ def make_finding(
     """A finding; what is not given is as of its kind.
 
     The sentences of `which`, and of `advice` where that is another one, are filled in with the
-    `values`.
+    `values`; an `advice` that is a `Message` stands as it is.
     """
     code = which.partition("/")[0]
-    asked = f"advice/{advice or which}"
-    known = asked if asked in english() else f"advice/{code}"
     says = Message(f"found/{which}", joint.worded, **values)
-    made = worded_finding(code, channel, span, value, says, Message(known, joint.worded, **values))
+    if not isinstance(advice, Message):
+        asked = f"advice/{advice or which}"
+        known = asked if asked in english() else f"advice/{code}"
+        advice = Message(known, joint.worded, **values)
+    made = worded_finding(code, channel, span, value, says, advice)
     return replace(
         made,
         severity=severity or made.severity,

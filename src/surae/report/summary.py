@@ -33,7 +33,7 @@ _DETAILS = ("torque_gain", "working_point")
 _RESTS = {
     "note/geometry": "Mostly by arms and paths, which no torque tells (film the muscle, or state a "
     "geometry)",
-    "note/arm": "Mostly by the moment arm (state the leg’s own)",
+    "note/arm": "Mostly by the moment arm (state this person’s own)",
 }
 #: How steps begin that are shown: what the user asked for, not what every fit does.
 _REQUESTS = ("Weights: ", "EMG normalised: ")

@@ -12,7 +12,6 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-import surae
 from surae._version import __version__
 from surae.base.errors import ComputationError
 from surae.base.records import from_plain, to_plain
@@ -20,7 +19,7 @@ from surae.protocol import Trajectory, generate
 from surae.protocol.effort import effort
 from surae.studies.study import OPTIONS, Value, motion, rise
 
-_PACKAGE = Path(surae.__file__).resolve().parent
+_PACKAGE = Path(__file__).resolve().parents[1]
 #: Folders whose code a result depends on.
 _COMPUTING = ("signals", "model", "protocol", "inference", "studies")
 _LIBRARIES = ("numba", "numpy", "scipy")

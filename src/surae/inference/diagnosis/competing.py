@@ -24,7 +24,7 @@ from surae.inference.diagnosis.explanations import (
 )
 from surae.inference.diagnosis.quick import QuickFit, percent, quick_fit
 from surae.quality import Finding
-from surae.quality.finding import make_finding
+from surae.quality.finding import make_finding, worded_finding
 from surae.quality.lag import LEADS, lead_of_onsets
 from surae.quality.numeric import span_of
 from surae.quality.trial import Signals
@@ -136,7 +136,7 @@ def signs(recording: Recording, signals: Signals, tries: Rivals) -> tuple[list[F
         recording = best.right(recording)
     texts = zip(codes.items(), (text, Message("found/torque-sign/too")), strict=False)
     return [
-        make_finding(code, role, span, best.r2, says=message, advice=advice)
+        worded_finding(code, role, span, best.r2, message, advice)
         for (role, code), message in texts
     ], recording
 
