@@ -64,7 +64,8 @@ def test_a_csv_becomes_a_report(desk: Desk, csv: Path) -> None:
     rows = page.locator(".report .parameters tbody tr:not(.group, .below)")
     rows.first.wait_for(state="attached")
     assert rows.count() == PARAMETERS
-    assert page.locator(".report .parameters .verdict.identified").count() >= PARAMETERS // 2
+    # what rests on no arm and no path
+    assert page.locator(".report .parameters .verdict.identified").count() >= 5
     expect(page.locator("article.report")).to_contain_text("converged")
     with page.expect_download() as report:
         page.get_by_role("button", name="Report (HTML)").click()
