@@ -1,6 +1,7 @@
 """Every public name of `import surae`, one line each, and where it is made."""
 
 from surae._version import __version__ as __version__
+from surae.api import Comparison as Comparison
 from surae.api import Fit as Fit
 from surae.api import Relaxed as Relaxed
 from surae.api import Session as Session
@@ -8,6 +9,7 @@ from surae.api import SessionResult as SessionResult
 from surae.api import change as change
 from surae.api import check as check
 from surae.api import cohort as cohort
+from surae.api import compare as compare
 from surae.api import design as design
 from surae.api import example as example
 from surae.api import expect as expect

@@ -6,6 +6,8 @@ from surae.api.answers import fits_of as fits_of
 from surae.api.answers import other_change as other_change
 from surae.api.answers import validate as validate
 from surae.api.answers import write_change_page as write_change_page
+from surae.api.comparing import Comparison as Comparison
+from surae.api.comparing import compare as compare
 from surae.api.designing import as_device as as_device
 from surae.api.designing import design as design
 from surae.api.designing import expect as expect

@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from surae.api.given import AnyRecording
 from surae.api.plots import Plots, numbered
 from surae.api.recordings import as_in_fit
@@ -13,9 +15,11 @@ from surae.base.files import PathLike
 from surae.base.formatting import nearest
 from surae.base.frozen import FrozenDict
 from surae.base.tables import Tabular, TextTable
+from surae.base.units import FloatArray
 from surae.inference import AssessedFit
 from surae.inference.judging.adequacy import Adequacy
 from surae.inference.judging.assessment import assess
+from surae.inference.judging.criteria import criteria_of
 from surae.inference.judging.parameter import ParameterEstimate
 from surae.inference.judging.validation import Prediction, predict_others
 from surae.inference.posterior.linearised import measured
@@ -184,6 +188,23 @@ class Fit(Tabular, AssessedFit):
         variables = {name: ("time", values, {"units": u}) for name, (values, u) in columns.items()}
         return xarray.Dataset(variables, {"time": own.time}, {"name": own.name})
 
+    def fit_report(self, min_correlation: float = 0.1) -> str:
+        """The fit as lmfit's users read one: statistics, variables, correlations.
+
+        Parameters
+        ----------
+        min_correlation : float
+            Correlations that are smaller are left out.
+
+        Returns
+        -------
+        str
+            Standard errors are those of `ParameterEstimate.trusted_sem`, systematics included.
+        """
+        from surae.report.lmfit_like import fit_report
+
+        return fit_report(self, min_correlation)
+
     def __getitem__(self, name: str) -> ParameterEstimate:
         """A parameter or nuisance by name: ``fit["l0_tri"].ci95``.
 
@@ -223,6 +244,24 @@ class Fit(Tabular, AssessedFit):
     def message(self) -> str:
         """What happened, with advice where it failed."""
         return self.result.message
+
+    @property
+    def residual(self) -> FloatArray:
+        """Measured minus modelled torque [Nm], of all recordings one after the other, shape (n,).
+
+        At the fit's rate, by the parameters alone: what `auto` lays on a moment is in it.
+        """
+        return np.concatenate(self.result.residuals)
+
+    @property
+    def aic(self) -> float | None:
+        """Akaike's information criterion of the samples that count; see `surae.compare`."""
+        return criteria_of(self.result).aic
+
+    @property
+    def bic(self) -> float | None:
+        """Bayes' information criterion of the samples that count; see `surae.compare`."""
+        return criteria_of(self.result).bic
 
     @property
     def vaf(self) -> float:

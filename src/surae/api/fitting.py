@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Unpack
 
 from surae.api.fitted import Fit
@@ -23,7 +24,7 @@ from surae.quality.position import is_perturbed
 from surae.quality.used import used
 from surae.recording import Recording
 from surae.settings import FIT_RECORDS, FitSettings
-from surae.signals import ModelInputs
+from surae.signals import ModelInputs, Weighting
 from surae.signals.windows import parted, thinned
 
 if TYPE_CHECKING:
@@ -42,6 +43,7 @@ def fit(
     quality: Sequence[Quality] | None = None,
     progress: SearchProgress | None = None,
     follow: Follow | None = None,
+    exclude: Sequence[tuple[float, float]] = (),
     **keywords: "Unpack[FitKeywords]",
 ) -> Fit:
     """Estimate a model's parameters from one recording, or from several together.
@@ -72,6 +74,9 @@ def fit(
         Called with every better point on the way: (model, all its parameters, what is made small).
         That is the sum of squares [Nm²]; of auto −2 ln p but for a constant, which is another one
         at every stage of its search.
+    exclude : sequence of (float, float), optional
+        Starts and ends [s, of each recording's own time axis] of stretches that do not count, as
+        ``--exclude`` of the command line: ``[(2.0, 5.5)]``.
     {settings}
 
     Returns
@@ -84,7 +89,7 @@ def fit(
     InputError
         Something given is unknown, contradictory or unusable.
     """
-    settings = FitSettings.of(model, **keywords)
+    settings = without(FitSettings.of(model, **keywords), exclude)
     measured = [one for recording in several(recordings) for one in each_in(recording)]
     inputs = inputs_for(settings, measured, [contraction_in(each) for each in several(mvc)])
     if quality is None:
@@ -96,6 +101,16 @@ def fit(
         on_compilation(lambda: tell("compiling the model, once for this installation")),
     ):
         return fit_inputs(inputs, settings, tuple(quality), tell, lambda *_: tell())
+
+
+def without(settings: FitSettings, exclude: Sequence[tuple[float, float]]) -> FitSettings:
+    """Settings in which these stretches [s] do not count, beside what they have of weights."""
+    if not exclude:
+        return settings
+    weights = Weighting() if settings.weights is None else settings.weights
+    if isinstance(weights, Weighting):
+        return replace(settings, weights=weights.excluding(exclude))
+    return replace(settings, weights=tuple(each.excluding(exclude) for each in weights))
 
 
 def inputs_for(

@@ -29,6 +29,7 @@ from surae.measures.change import asked_of, compare_sessions
 from surae.measures.claims import false_discovery, holm
 from surae.measures.compared import Quantities, Quantity
 from surae.measures.table import LEADING
+from surae.recording.frames import library, records_frame
 
 #: Legs from which a mean and a spread are estimated.
 FEWEST = 3
@@ -228,6 +229,23 @@ class Cohort(Tabular, Saved):
                 "than what all fits are wrong in alike: a small difference may be none"
             )
         return "; ".join(notes)
+
+    def to_dataframe(self) -> Any:
+        """Every group of every quantity as a pandas DataFrame.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each quantity and group, by both: number of legs, mean, standard error, ends
+            of the 95 % interval, spread between legs.
+
+        Raises
+        ------
+        InputError
+            pandas is not installed.
+        """
+        groups = {p.name: records_frame(p.groups, "group") for p in self.pooled.values()}
+        return library("pandas", "a DataFrame").concat(groups, names=["of"])
 
     def as_table(self) -> TextTable:
         """Every group, then differences and changes that are shown, and who is left out."""

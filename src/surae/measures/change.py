@@ -77,6 +77,24 @@ class Change(Tabular, Saved):
         every = (*self.measures.values(), *self.parameters.values())
         return tuple(d for d in every if d.verdict is ChangeVerdict.CHANGED)
 
+    def to_dataframe(self) -> Any:
+        """Every difference as a pandas DataFrame.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row each by name, measures first: both values, difference, ends of its interval,
+            p, verdict and more; None where there is no number.
+
+        Raises
+        ------
+        InputError
+            pandas is not installed.
+        """
+        from surae.recording.frames import records_frame
+
+        return records_frame({**self.measures, **self.parameters}, "of")
+
     def as_table(self) -> TextTable:
         """The table, as texts.
 

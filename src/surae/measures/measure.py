@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from surae._version import __version__
-from surae.base.errors import InputError
+from surae.base.errors import InputError, UnknownNameError
 from surae.base.file_form import filed
 from surae.base.files import PathLike, csv_row, shown, write_atomic, write_json
-from surae.base.formatting import in_a_line, of_interval
+from surae.base.formatting import in_a_line, nearest, of_interval
 from surae.base.frozen import FrozenDict
 from surae.base.records import to_plain
 from surae.base.tables import Tabular, TextTable
@@ -112,6 +112,8 @@ class Measures(Tabular, Mapping[str, Measure]):
     rest: RestSaid = RestSaid()
 
     def __getitem__(self, name: str) -> Measure:
+        if name not in self.by_name:
+            raise UnknownNameError(f"no measure {name!r}{nearest(name, self.by_name)}")
         return self.by_name[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -145,6 +147,24 @@ class Measures(Tabular, Mapping[str, Measure]):
             below=tuple(f"{', '.join(names)}: {why}" for why, names in missing.items()),
             numbers=("value", "95 % interval"),
         )
+
+    def to_dataframe(self) -> Any:
+        """The measures as a pandas DataFrame.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row each by name: value, unit, ends of every interval, verdict and more; None where
+            there is no number.
+
+        Raises
+        ------
+        InputError
+            pandas is not installed.
+        """
+        from surae.recording.frames import records_frame
+
+        return records_frame(self.by_name, "measure")
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data, as M.json has it."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -129,6 +130,24 @@ class Expectation(Tabular, Comparable, Plain):
     def identified(self) -> int:
         """How many parameters are expected to be identified."""
         return sum(p.verdict is Verdict.IDENTIFIED for p in self.parameters.values())
+
+    def to_dataframe(self) -> Any:
+        """What is expected of each parameter as a pandas DataFrame.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row each by name: value, relative standard error and half-width, verdict, and the
+            shares of the variance by source.
+
+        Raises
+        ------
+        InputError
+            pandas is not installed.
+        """
+        from surae.recording.frames import records_frame
+
+        return records_frame(self.parameters, "parameter")
 
     def as_table(self) -> TextTable:
         """The table, as texts.

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from surae.base.errors import InputError
+from surae.base.records import to_plain
 from surae.base.units import kind
 
 if TYPE_CHECKING:
@@ -18,6 +19,39 @@ def frame(rows: Sequence[Mapping[str, Any]], units: Mapping[str, str]) -> Any:
     table = library("pandas", "a DataFrame").DataFrame(list(rows))
     table.attrs["units"] = dict(units)
     return table
+
+
+def records_frame(records: Mapping[str, Any], name: str) -> Any:
+    """Records of one kind, a row each by name, as a pandas DataFrame.
+
+    The ends of an interval are columns ``_low`` and ``_high``, what a table in a record has is
+    named after both; lists are left out.
+    """
+    plain = [to_plain(record) for record in records.values()]
+    # What is an interval or a table in one record may be None in another.
+    parted = {
+        key for each in plain for key, entry in each.items() if isinstance(entry, list | dict)
+    }
+    rows = [_flat(each) for each in plain]
+    shown = [
+        column for column in dict.fromkeys(c for row in rows for c in row) if column not in parted
+    ]
+    pandas = library("pandas", "a DataFrame")
+    table = pandas.DataFrame([[row.get(c) for c in shown] for row in rows], list(records), shown)
+    return table.rename_axis(name)
+
+
+def _flat(plain: Mapping[str, Any]) -> dict[str, Any]:
+    """The numbers and words of one record."""
+    row: dict[str, Any] = {}
+    for key, entry in plain.items():
+        if isinstance(entry, dict):
+            row.update({f"{key}_{inner}": value for inner, value in _flat(entry).items()})
+        elif isinstance(entry, list) and len(entry) == 2:
+            row[f"{key}_low"], row[f"{key}_high"] = entry
+        elif not isinstance(entry, list):
+            row[key] = entry
+    return row
 
 
 def channels_frame(channels: Mapping[str, Any], about: Mapping[str, str]) -> Any:

@@ -6,10 +6,11 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from contextlib import suppress
 from dataclasses import dataclass
+from typing import Any
 
-from surae.base.errors import InputError
+from surae.base.errors import InputError, UnknownNameError
 from surae.base.file_form import filed
-from surae.base.formatting import NO_NUMBER, significant
+from surae.base.formatting import NO_NUMBER, nearest, significant
 from surae.base.records import Saved
 from surae.base.tables import Tabular, TextTable
 from surae.base.threads import cores, one_blas_thread
@@ -46,7 +47,27 @@ class Profiles(Tabular, Saved):
     versions: Mapping[str, str]  #: Versions of surae and of what its numbers depend on.
 
     def __getitem__(self, name: str) -> ParameterProfile:
+        if name not in self.profiles:
+            raise UnknownNameError(f"no profile of {name!r}{nearest(name, self.profiles)}")
         return self.profiles[name]
+
+    def to_dataframe(self) -> Any:
+        """The profiles' intervals as a pandas DataFrame.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row each by parameter: value, unit, ends of every interval (None where open),
+            status and message; the curves themselves are in `profiles`.
+
+        Raises
+        ------
+        InputError
+            pandas is not installed.
+        """
+        from surae.recording.frames import records_frame
+
+        return records_frame(self.profiles, "parameter")
 
     @property
     def noise(self) -> str:

@@ -80,6 +80,20 @@ class Weighting(Request):
                     "of zero or more"
                 )
 
+    def excluding(self, stretches: Sequence[tuple[float, float]]) -> "Weighting":
+        """The same, and samples from each start to its end [s] do not count.
+
+        Raises
+        ------
+        InputError
+            A stretch is no start and end.
+        """
+        for stretch in stretches:
+            if not (isinstance(stretch, Sequence) and len(stretch) == 2):
+                raise InputError(f"exclude {stretch!r}: give a start and an end [s], as (2.0, 5.5)")
+        left_out = tuple((start, end, 0.0) for start, end in stretches)
+        return replace(self, windows=(*self.windows, *left_out))
+
 
 def weighted(
     inputs: Sequence[ModelInputs], weighting: Weighting | Sequence[Weighting]

@@ -187,3 +187,36 @@ def rmse(residual: FloatArray) -> float:
     with np.errstate(over="ignore", invalid="ignore"):
         mean = np.mean(residual**2)
     return float(np.sqrt(mean)) if np.isfinite(mean) else np.nan
+
+
+def akaike(count: int, sse: float, free: int) -> float | None:
+    """Akaike's information criterion n·ln(Σwe²/n) + 2k of least squares (Akaike 1974).
+
+    Parameters
+    ----------
+    count : int
+        Samples n that count.
+    sse : float
+        Weighted sum of squared residuals Σwe² [Nm²].
+    free : int
+        Estimated parameters k.
+
+    Returns
+    -------
+    float or None
+        But for a constant that fits of the same samples share; None without a residual. Samples
+        are taken for independent, which those of a torque are not: differences look larger than
+        they are.
+    """
+    return _criterion(count, sse, 2.0 * free)
+
+
+def bayesian(count: int, sse: float, free: int) -> float | None:
+    """Bayes' information criterion n·ln(Σwe²/n) + k·ln n (Schwarz 1978); all as of `akaike`."""
+    return _criterion(count, sse, free * math.log(count) if count else 0.0)
+
+
+def _criterion(count: int, sse: float, penalty: float) -> float | None:
+    if count == 0 or not 0.0 < sse < math.inf:
+        return None
+    return count * math.log(sse / count) + penalty
