@@ -81,7 +81,17 @@ class Weighting(Request):
                 )
 
     def excluding(self, stretches: Sequence[tuple[float, float]]) -> "Weighting":
-        """The same, and samples from each start to its end [s] do not count.
+        """The same, and stretches of time that do not count.
+
+        Parameters
+        ----------
+        stretches : sequence of (float, float)
+            Start and end of each [s, of the recording's own time axis, both included].
+
+        Returns
+        -------
+        Weighting
+            Its windows are those of before and these.
 
         Raises
         ------
