@@ -45,7 +45,7 @@ class Family:
     def __init__(self, problem: FitProblem, follow: Follow | None = None) -> None:
         self._follow = follow
         self.inputs = problem.inputs  #: As they were given.
-        problem = replace(problem, inputs=problem.heard)
+        problem = replace(problem, inputs=problem.inputs_heard)
         self.original = replace(problem, inputs=tuple(sharpened(r) for r in problem.inputs))
         settings = problem.settings
         anatomy = problem.options.anatomy
