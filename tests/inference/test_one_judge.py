@@ -19,7 +19,7 @@ from surae.inference.judging.verdict import (
 from surae.measures.change import compare_sessions
 from surae.measures.compared import quantities
 from surae.nerve.identify import Number
-from surae.nerve.impedance import ONE_LAW, number_of
+from surae.nerve.measures import ONE_LAW, number_of
 
 KNOWN, WEAK, NONE = Verdict.IDENTIFIED, Verdict.WEAK, Verdict.UNDETERMINED
 
