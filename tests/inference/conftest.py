@@ -2,6 +2,7 @@
 
 import pytest
 
+import promises
 from surae.inference import fit_problem, make_problem
 
 
@@ -12,10 +13,7 @@ def fitted(noisy):
 
 
 @pytest.fixture
-def arms_known(monkeypatch):
-    """Judge as if arms and paths were the leg's own; what they add: test_arms_and_paths.py.
-
-    Else nothing that rests on them is identified, and what a test asks of noise, EMG or another
-    tissue would hold whatever the code does.
-    """
-    monkeypatch.setattr("surae.inference.uncertainty.combined.arms_and_paths", lambda *_: None)
+def arms_known():
+    """Judge as if arms and paths were the leg's own, see `promises`."""
+    with promises.arms_known():
+        yield
