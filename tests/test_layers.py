@@ -197,6 +197,7 @@ PUBLIC_MODULES = (
     "base.file_form",
     "base.files",
     "base.records",
+    "base.threads",
     "base.units",
     "processes.runner",
     "processes.ledger",
@@ -216,39 +217,40 @@ def from_surae(source: Path) -> set[tuple[str, str]]:
     return {(m, name) for m, name in taken | whole if m.split(".")[0] == "surae"}
 
 
-#: Of the thesis: a command is made of the shell's parts, and a batch's files are described as a
-#: reader's are.
-INSIDE = ("command.py", "files.py")
-
-
 def test_the_thesis_is_built_on_what_is_public() -> None:
     sources = sorted(THESIS.rglob("*.py"))
     assert len(sources) > 10
     inner = set()
     for source in sources:
-        if source.name in INSIDE:
-            continue
         for module, name in from_surae(source):
-            if (module == "surae" and not name) or module.removeprefix("surae.") in PUBLIC_MODULES:
+            if (module == "surae" and name in ("", "api")) or module.removeprefix(
+                "surae."
+            ) in PUBLIC_MODULES:
                 continue
             if not name or name not in getattr(importlib.import_module(module), "__all__", ()):
                 inner.add(f"{source.name}: {module}.{name}")
     assert inner == set()
 
 
+def is_for_commands(module: str, name: str) -> bool:
+    """Whether the shell offers a name to commands of other distributions."""
+    offered = getattr(importlib.import_module(module), "__all__", ())
+    return module.startswith("surae.cli.") and name in offered
+
+
 def test_the_workbench_is_built_on_the_api() -> None:
-    """It takes `surae.api` by its names, files and the like, and for its commands the options."""
+    """It takes `surae.api` by its names, files and the like, and what commands are made of."""
     sources = sorted(WORKBENCH.rglob("*.py"))
     assert len(sources) > 50
     allowed = {*(f"surae.{name}" for name in LAYERS[0]), "surae", "surae.api"}
-    commands = {"surae.cli.options", "surae.cli.progress"}
     inner = {
         f"{source.relative_to(WORKBENCH)}: {module}.{name}: offer it in api/__init__.pyi"
         for source in sources
         for module, name in from_surae(source)
         if (
             not module.startswith("surae.base.")
-            and module not in allowed | (commands if source.name.endswith("command.py") else set())
+            and module not in allowed
+            and not (source.name.endswith("command.py") and is_for_commands(module, name))
         )
         or (module == "surae.api" and name not in surae.api.__all__)
         or (module == "surae" and name != "api")

@@ -48,7 +48,7 @@ class SpringSimulator(Simulator):
 
     def __init__(self, inputs, options, optional=()):
         weights = ("g1", "g2", "g3", "g4")
-        super().__init__(inputs, options, own=_NAMES, optional=optional, weights=weights)
+        super().__init__(inputs, options, names=_NAMES, optional=optional, weights=weights)
 
     def _forces(self, p, group, muscle, active):
         return np.stack([p[1 + group] * muscle.length, active.alpha[0]])

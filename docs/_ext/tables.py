@@ -52,7 +52,7 @@ def sources() -> str:
         prior, because = "", ""
         if n := s.nuisance:
             prior = f"`{n.group}`: {n.prior.mean:g} ± {n.prior.sd:g} {n.unit}"
-            prior += "".join(f"; `{of}` {b.mean:g} ± {b.sd:g}" for of, b in n.own.items())
+            prior += "".join(f"; `{of}` {b.mean:g} ± {b.sd:g}" for of, b in n.prior_of.items())
             because = f"{n.because}{'; *a departure*' if n.departs else ''}"
         rows.append(f"| {s.label} | {s.meaning} | {prior} | {because} | {s.advice} |\n")
     head = "| source | what it is | prior in `nuisances` | because | what makes it smaller |\n"

@@ -37,12 +37,11 @@ def test_it_holds_every_file_of_its_packages(wheel):
     }
     assert {name for name in names if not name.split("/")[0].endswith(".dist-info")} == files
     needed = {
-        ROOT / "src": ("surae/py.typed", "surae/report/templates/page.html.j2"),
-        ROOT / "cohort" / "src": ("surae.cohorts/page.py",),
-        ROOT / "exchange" / "src": ("surae.exchange/joint.py",),
-        ROOT / "formats" / "src": ("surae.recording.programs/c3d.py",),
-        ROOT / "posterior" / "src": ("surae.sampling/sample.py",),
-        ROOT / "nerve" / "src": ("surae.nerve/page.py",),
+        ROOT / "src": (
+            "surae/py.typed",
+            "surae/report/templates/page.html.j2",
+            "surae/recording/programs/c3d.py",
+        ),
         ROOT / "thesis" / "src": ("surae_thesis/claims/tendons.toml",),
         ROOT / "workbench" / "src": ("surae_workbench/web/static/icon.svg",),
         ROOT / "legs" / "src": ("ankle_legs/main.py",),

@@ -2,6 +2,7 @@
 
 import pytest
 
+import promises
 from surae.inference import fit_problem, make_problem
 
 
@@ -9,3 +10,10 @@ from surae.inference import fit_problem, make_problem
 def fitted(noisy):
     """Fit of the noisy trial."""
     return fit_problem(make_problem([noisy]), starts=2)
+
+
+@pytest.fixture
+def arms_known():
+    """Judge as if arms and paths were the leg's own, see `promises`."""
+    with promises.arms_known():
+        yield

@@ -102,6 +102,6 @@ def test_an_electrode_of_noise_alone_has_a_level_for_what_was_given() -> None:
     draw = np.random.default_rng(1).uniform(0.9, 1.1, len(emg))
     emg[:, 0] = 1e-3 * emg.max() * draw  # a tibialis at rest
     problem = make_problem([replace(leg, emg=emg)], "auto")
-    assert {"ta"} <= {*problem.heard[0].missing_emg}
+    assert {"ta"} <= {*problem.inputs_heard[0].missing_emg}
     post = Family(problem).posterior(("shape",), 64.0, white_noise(problem, 0.1), NEARLY_NONE)
     assert np.isfinite(post.observed.plain_residual(post.start({}), *problem.inputs, 0)).all()

@@ -7,6 +7,7 @@ import pytest
 
 import surae
 from surae.base.frozen import read_only
+from surae.inference import assess
 from surae.inference.judging.parameter import percent
 from surae.model import ModelOptions, get_model
 from surae.protocol import Protocol, generate
@@ -41,9 +42,17 @@ def profiled(fits):
     return surae.profile(fits[0], "dlt_tib")["dlt_tib"]
 
 
-def test_the_profile_of_a_filmed_length_is_as_narrow_as_its_interval(fits, profiled) -> None:
+def test_the_profile_of_a_filmed_length_is_as_narrow_as_its_interval(
+    fits, profiled, monkeypatch
+) -> None:
     """Film included; if it is about a lower minimum than the fit's, it says so and where."""
     (low, high), blind = (fit.parameters["dlt_tib"].ci95 for fit in fits)
+    left, right = profiled.with_geometry
+    assert right - left == pytest.approx(high - low, abs=0.35 * (high - low) / 2)
+    # The profile itself is at the arms and paths of the fit, of which a film knows nothing.
+    with monkeypatch.context() as patch:
+        patch.setattr("surae.inference.uncertainty.combined.arms_and_paths", lambda *_: None)
+        (low, high), blind = (assess(fit.result).parameters["dlt_tib"].ci95 for fit in fits)
     left, right = profiled.interval
     assert right - left == pytest.approx(high - low, abs=0.35 * (high - low) / 2)
     assert right - left < 0.6 * (blind[1] - blind[0])

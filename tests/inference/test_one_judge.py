@@ -19,7 +19,7 @@ from surae.inference.judging.verdict import (
 from surae.measures.change import compare_sessions
 from surae.measures.compared import quantities
 from surae.nerve.identify import Number
-from surae.nerve.impedance import ONE_LAW, number_of
+from surae.nerve.measures import ONE_LAW, number_of
 
 KNOWN, WEAK, NONE = Verdict.IDENTIFIED, Verdict.WEAK, Verdict.UNDETERMINED
 
@@ -163,10 +163,15 @@ def test_a_doubt_of_the_gains_leaves_the_relaxed_curve(active):
 
 @pytest.mark.slow
 def test_an_inadequate_fit_claims_nothing(active):
+    """What trials at rest tell by themselves has no part in the fit, and says nothing of it."""
     told = with_doubts(active, GRAVE, GAINS).measures()
     assert not any(m.verdict is KNOWN for m in told.values())
     grave = with_doubts(active, replace(GAINS, is_grave=True)).measures()
-    assert all("inadequate" in grave[n].note for n in PASSIVE if grave[n].verdict is WEAK)
+    assert {grave[name].basis for name in PASSIVE} == {"model", "rest"}
+    for m in grave.values():
+        assert m.verdict is not KNOWN
+        if m.verdict is WEAK:
+            assert ("inadequate" in m.note) == (m.basis != "rest")
 
 
 @pytest.mark.slow

@@ -231,6 +231,16 @@ def test_records_of_before_are_read(tmp_path, old, asked, counts) -> None:
     assert (record.seconds, record.verdict, len(record.marks)) == (18.5, "keep", 1)
 
 
+def test_what_a_record_said_in_other_languages_under_its_older_name_is_read(tmp_path) -> None:
+    written = Record.of(
+        trial=1, state="judged", verdict="keep", translated={"nl": {"advice": "ja"}}
+    )
+    path = tmp_path / "trial-01.json"
+    written.write(path)
+    path.write_text(path.read_text().replace('"translated"', '"told"'))
+    assert read_record(path, 1) == written
+
+
 def test_a_newer_record_is_refused_and_left_where_it_is(lsl, tmp_path) -> None:
     row = tmp_path / "trial-01.json"
     row.write_text('{"format": 2, "trial": 1}')

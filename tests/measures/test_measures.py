@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import surae
+from promises import arms_known
 from surae.base.errors import InputError
 from surae.inference import Grade, Verdict
 from surae.inference.judging.reasons import against
@@ -216,18 +217,31 @@ def test_files(still, tmp_path) -> None:
 
 @pytest.mark.slow
 def test_intervals_hold_the_truth_of_richer_legs(fitted) -> None:
-    """Twelve legs; the count over many more is in the page on measures."""
-    held, claimed = [], []
+    """Twelve legs; the count over many more is in the page on measures.
+
+    Two fifths are claimed where arms and paths are known; these legs have those that are assumed.
+    Where they are doubted, as by default, fewer are, and more hold.
+    """
+    known, told = ([], []), ([], [])
     for seed in range(12):
         fit, truth = fitted(seed, rate_hz=128.0)
         true = measures_of_values(truth, "muscle-tendon")
         # these legs' zero is right; what rest tells instead is tested in test_at_rest.py
-        for _, m in measures_by_model(zero_known(fit, 0.0), points()):
-            if m.name in true and m.ci95 and not m.name.startswith("torque_per_emg"):
-                inside = m.ci95[0] <= true[m.name] <= m.ci95[1]
-                held.append(inside)
-                if m.verdict is Verdict.IDENTIFIED:
-                    claimed.append(inside)
-    assert np.mean(held) >= 0.85
-    assert np.mean(claimed) >= 0.85
-    assert len(claimed) > 0.4 * len(held)
+        with arms_known():
+            judged(zero_known(fit, 0.0), true, *known)
+        judged(zero_known(fit, 0.0), true, *told)
+    for held, claimed in (known, told):
+        assert np.mean(held) >= 0.85
+        assert np.mean(claimed) >= 0.85
+    assert len(known[1]) > 0.4 * len(known[0])
+    assert 0 < len(told[1]) < len(known[1])
+
+
+def judged(fit, true, held, claimed) -> None:
+    """Whether a fit's intervals hold the true measures: of all, and of those that are claimed."""
+    for _, m in measures_by_model(fit, points()):
+        if m.name in true and m.ci95 and not m.name.startswith("torque_per_emg"):
+            inside = m.ci95[0] <= true[m.name] <= m.ci95[1]
+            held.append(inside)
+            if m.verdict is Verdict.IDENTIFIED:
+                claimed.append(inside)

@@ -11,10 +11,11 @@ from scipy import signal
 import surae
 from perturbed_ankle import Ankle
 from surae.base.errors import InputError
-from surae.nerve.impedance import number_of, turned
 from surae.nerve.judged import Number
+from surae.nerve.measures import number_of
 from surae.nerve.samples import usable
 from surae.nerve.triggered import answering
+from surae.nerve.turned import turned
 from surae.recording import Recording
 
 TRUE = {"intrinsic_stiffness": 60.0, "inertia": 0.015, "reflex_gain": 6.0, "reflex_delay": 45.0}

@@ -18,6 +18,8 @@ from surae.base.setting import Setting, default_of, kind_of, settings_of
 if TYPE_CHECKING:
     from dataclasses import Field
 
+#: What commands of other distributions are made of.
+__all__ = ["DASK", "MAPPING", "RANGE", "corrections", "settings_options", "workers_option"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 

@@ -7,6 +7,9 @@ from pathlib import Path
 from surae.base.errors import InputError
 from surae.base.files import read_bytes, require_writable, shown
 
+#: What commands of other distributions are made of.
+__all__ = ["check_outputs"]
+
 #: Beginning of a file in which a FIT.json says what it is [bytes].
 _HEAD = 200
 

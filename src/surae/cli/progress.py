@@ -14,6 +14,9 @@ from surae.base.errors import SuraeError
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
+#: What commands of other distributions are made of.
+__all__ = ["StoppedError", "compilation_notice", "work"]
+
 #: What `compilation_notice` says.
 COMPILING = "Compiling the model, once for this installation: some ten seconds …"
 

@@ -14,6 +14,9 @@ from surae.base.words import JUDGEMENTS
 if TYPE_CHECKING:  # rich comes with the first table
     from rich.console import Console
 
+#: What commands of other distributions are made of.
+__all__ = ["show_line", "show_table"]
+
 #: Style of a word that judges.
 _STYLES = {"good": "green", "weak": "yellow", "bad": "red", "quiet": "dim"}
 #: Width where stdout is no terminal and COLUMNS is not set.

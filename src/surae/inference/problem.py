@@ -69,10 +69,10 @@ class FitProblem(Comparable):
     def has_unheard(self) -> bool:
         """Whether a muscle of the joint has no EMG in one of the recordings."""
         absent = {MUSCLES[channel] for channel in self.options.anatomy.silent}
-        return any({*recording.missing_emg} - absent for recording in self.heard)
+        return any({*recording.missing_emg} - absent for recording in self.inputs_heard)
 
     @property
-    def heard(self) -> tuple[ModelInputs, ...]:
+    def inputs_heard(self) -> tuple[ModelInputs, ...]:
         """The recordings without EMG that makes no force: its weight is held at 0, or it is noise.
 
         Such an electrode tells nothing of another's crosstalk, gain or rest.

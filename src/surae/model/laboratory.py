@@ -65,7 +65,9 @@ def laboratory(
     priors: dict[str, Gaussian] = {}
     for n in _NUISANCES.values():
         none = n.of_device and not mounted
-        priors |= {name: _NOTHING if none else n.own.get(name, n.prior) for name in n.parameters}
+        priors |= {
+            name: _NOTHING if none else n.prior_of.get(name, n.prior) for name in n.parameters
+        }
         priors |= n.measured if measured else {}
     given: Mapping[str, tuple[float, float]] = {}
     if not isinstance(nuisances, str):

@@ -27,7 +27,7 @@ class MuscleSimulator(Simulator):
     def __init__(
         self, inputs: ModelInputs, options: ModelOptions, optional: Sequence[str] = ()
     ) -> None:
-        super().__init__(inputs, options, own=_NAMES, optional=optional)
+        super().__init__(inputs, options, names=_NAMES, optional=optional)
 
     def _forces(
         self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState

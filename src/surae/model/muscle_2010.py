@@ -63,7 +63,7 @@ class Muscle2010Simulator(Simulator):
         super().__init__(
             inputs,
             options,
-            own=_NAMES,
+            names=_NAMES,
             optional=optional,
             weights=("e1", "e2", "e3", "e4"),
             emg=integrated(inputs),

@@ -103,7 +103,7 @@ class MuscleTendonSimulator(Simulator):
         self, inputs: ModelInputs, options: ModelOptions, optional: Sequence[str] = ()
     ) -> None:
         lags = ((1.0 - GAMMA) / inputs.rate_hz, 0.0)
-        super().__init__(inputs, options, own=_NAMES, optional=optional, lags=lags)
+        super().__init__(inputs, options, names=_NAMES, optional=optional, lags=lags)
         self._n = inputs.n
         self._slack = np.array(options.anatomy.slack)
         in_metres = options.tendon_strain == "thesis"

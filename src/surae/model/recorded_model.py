@@ -47,7 +47,7 @@ class Simulator:
     Parameter vectors hold all parameters of the model in the order of its `ModelSpec`; columns of a
     jacobian are to be distinct.
 
-    `own` are the model's own parameters, the mass first, `optional` its optional ones, which
+    `names` are the model's parameters, the mass first, `optional` its optional ones, which
     follow; `weights` are those of the EMG of TA, GL, SOL, GM, `emg`, shape (4, n), is what they
     weigh, if it is not the recording's envelopes. `filtered` names the activation filter's cutoff
     and damping; with "" for the latter it is critically damped. Active states are wanted `lags` [s]
@@ -59,14 +59,14 @@ class Simulator:
         inputs: ModelInputs,
         options: ModelOptions,
         *,
-        own: Sequence[str],
+        names: Sequence[str],
         optional: Sequence[str],
         weights: tuple[str, ...] = ("g1", "g2", "g3", "g4"),
         emg: FloatArray | None = None,
         filtered: tuple[str, str] = ("f0", "beta"),
         lags: tuple[float, ...] = (0.0,),
     ) -> None:
-        self._at = {name: column for column, name in enumerate((*own, *optional))}
+        self._at = {name: column for column, name in enumerate((*names, *optional))}
         self._dt = 1.0 / inputs.rate_hz
         self._lags = lags
         self._factor = float(options.vmax_factor)

@@ -50,7 +50,7 @@ class Nuisance:
     #: Whether it is of a device that holds the foot: torques of inverse dynamics have none.
     of_device: bool = False
     #: Priors of single parameters that differ from `prior`.
-    own: Mapping[str, Gaussian] = field(default_factory=FrozenDict)
+    prior_of: Mapping[str, Gaussian] = field(default_factory=FrozenDict)
     #: Priors where the geometry is the person's own, see `geometry_of` of a fit.
     measured: Mapping[str, Gaussian] = field(default_factory=FrozenDict)
     departs: bool = False  #: Whether it is in the model only where the data ask for it.

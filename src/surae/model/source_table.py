@@ -151,7 +151,7 @@ _SOURCES = (
             "",
             "between −3 and 0, and powers of 0.5 to 1 (Lloyd and Besier 2003)",
             departs=True,
-            own=FrozenDict({"emg_power": Gaussian(0.0, 0.25)}),
+            prior_of=FrozenDict({"emg_power": Gaussian(0.0, 0.25)}),
         ),
     ),
     UncertaintySource(
@@ -238,7 +238,7 @@ _SOURCES = (
             "et al. 2022); a contracted tibialis is 2 % off a straight line (Reeves and Narici "
             "2003); the three calf muscles differ by more; the sizes are assumed",
             anew="mounting",
-            own=FrozenDict(
+            prior_of=FrozenDict(
                 {f"film_zero_{at}": Gaussian(0.0, 0.006) for at in FILMED}
                 | {"film_scale_tib": Gaussian(0.0, 0.03), "film_zero_tib": Gaussian(0.0, 0.004)}
             ),
@@ -290,7 +290,7 @@ _SOURCES = (
             "plates of 1 to 3 kg, their centre 5 to 15 cm from the axis; assumed",
             departs=True,
             of_device=True,
-            own=FrozenDict({"plate_inertia": Gaussian(0.0, 0.03)}),
+            prior_of=FrozenDict({"plate_inertia": Gaussian(0.0, 0.03)}),
         ),
     ),
     UncertaintySource(
@@ -308,7 +308,7 @@ _SOURCES = (
             "whole relaxed ankle has some 4 to 8 Nm/rad; the rest is assumed",
             of_leg=True,
             departs=True,
-            own=FrozenDict({"joint_torque": Gaussian(0.0, 0.5)}),
+            prior_of=FrozenDict({"joint_torque": Gaussian(0.0, 0.5)}),
         ),
     ),
     UncertaintySource(
@@ -360,7 +360,7 @@ _SOURCES = (
             "travel by half more or less in published geometries; bends are assumed",
             of_leg=True,
             departs=True,
-            own=FrozenDict(
+            prior_of=FrozenDict(
                 {f"arm_scale_{g}": Gaussian(0.0, 0.06) for g in ("tri", "tib")}
                 | {f"path_scale_{g}": Gaussian(0.0, 0.3) for g in ("tri", "tib")}
                 | {f"path_bend_{g}": Gaussian(0.0, 0.005) for g in ("tri", "tib")}
@@ -428,7 +428,7 @@ _SOURCES = (
             "widths and asymptotes of human muscles differ by a third (Zajac 1989; Thelen 2003)",
             of_leg=True,
             departs=True,
-            own=FrozenDict(
+            prior_of=FrozenDict(
                 {"fv_speed": Gaussian(0.0, 0.25)}
                 | {name: Gaussian(0.0, 0.3) for name in ("fv_curve", "fv_stretch")}
             ),
@@ -448,7 +448,7 @@ _SOURCES = (
             "some Nm at a stretch of 3 rad/s; assumed",
             of_leg=True,
             departs=True,
-            own=FrozenDict({"reflex_delay": Gaussian(0.05, 0.015, off=0.05)}),
+            prior_of=FrozenDict({"reflex_delay": Gaussian(0.05, 0.015, off=0.05)}),
         ),
     ),
     UncertaintySource(
@@ -501,7 +501,7 @@ _SOURCES = (
             of_leg=True,
             departs=True,
             rare=True,
-            own=FrozenDict({"bridge_reach": Gaussian(0.01, 0.004, off=0.01)}),
+            prior_of=FrozenDict({"bridge_reach": Gaussian(0.01, 0.004, off=0.01)}),
         ),
     ),
     UncertaintySource(

@@ -11,8 +11,9 @@ from surae.base.frozen import FrozenDict
 from surae.base.records import Saved
 from surae.base.tables import Tabular, TextTable
 from surae.base.words import N_, Message
-from surae.nerve.impedance import MEASURES, NerveMeasure, Perturbed, ReflexPath, number_of
 from surae.nerve.judged import Number
+from surae.nerve.measures import MEASURES, NerveMeasure, number_of
+from surae.nerve.perturbed_records import Perturbed, ReflexPath
 
 
 @dataclass(frozen=True, slots=True, repr=False)

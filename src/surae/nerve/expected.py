@@ -13,9 +13,10 @@ from surae.base.progress import Progress
 from surae.base.records import Saved, read_json, to_plain
 from surae.base.tables import Tabular, TextTable
 from surae.inference.judging.verdict import Verdict
-from surae.nerve.impedance import NerveMeasure, number_of, perturbed
+from surae.nerve.impedance import perturbed
 from surae.nerve.judged import Number
 from surae.nerve.made import USUAL, perturbed_leg, stretched_leg
+from surae.nerve.measures import NerveMeasure, number_of
 from surae.nerve.ramps import MOVING, RANGE
 from surae.nerve.samples import runs
 from surae.nerve.stretches import ALIKE, StretchAnswer, answers

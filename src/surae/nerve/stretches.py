@@ -16,9 +16,9 @@ from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
 from surae.base.words import N_, Message
 from surae.inference.judging.verdict import THRESHOLD, Verdict, verdict_of
-from surae.nerve.impedance import DIRECTIONS
 from surae.nerve.parts import FAST, LATE, NOT_YET, Parts, TissueTorque
 from surae.nerve.ramps import RampSpan, Stretched, low, onset, stretched
+from surae.nerve.reflex_claim import DIRECTIONS
 from surae.recording import Recording
 
 #: Muscles that a movement in each direction stretches.

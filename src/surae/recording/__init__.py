@@ -3,7 +3,9 @@
 from surae.recording.hdf5 import write_hdf5
 from surae.recording.inspected_channels import InspectedChannel, Inspection
 from surae.recording.inspection import inspect
+from surae.recording.mapping import Description
 from surae.recording.mapping_text import mapping_text
+from surae.recording.parts import description_of, files_of
 from surae.recording.reading import read
 from surae.recording.recording import (
     FILM_ROLES,
@@ -25,11 +27,14 @@ __all__ = [
     "MUSCLE_NAMES",
     "ROLES",
     "Channel",
+    "Description",
     "InspectedChannel",
     "Inspection",
     "Recording",
     "SourceFile",
     "csv_columns",
+    "description_of",
+    "files_of",
     "inspect",
     "leaving_gaps",
     "mapping_text",

@@ -8,8 +8,9 @@ from surae.base.formatting import NO_NUMBER, percentage, significant
 from surae.base.frozen import FrozenDict
 from surae.base.words import N_, Message
 from surae.nerve.answer import Impedance, measure_rows
-from surae.nerve.impedance import NerveMeasure, Perturbed
 from surae.nerve.leg import stretch_torque
+from surae.nerve.measures import NerveMeasure
+from surae.nerve.perturbed_records import Perturbed
 from surae.nerve.stretches import Stretches
 from surae.report import block
 from surae.report.figures import Figure

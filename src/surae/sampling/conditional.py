@@ -149,7 +149,7 @@ class ConditionalPosterior:
     def at(self, value: float, near: ConditionalMinimum) -> ConditionalMinimum | None:
         """The mode with the parameter at `value`, from a point of the posterior nearby."""
         at = self._posterior.start({self._name: value})[self._j]
-        return self._searched(lambda: self._posterior.held(self._j, at, near.local, **_SHORT))
+        return self._searched(lambda: self._posterior.mode_at(self._j, at, near.local, **_SHORT))
 
     def free(self, near: ConditionalMinimum) -> ConditionalMinimum | None:
         """The mode over all parameters, from a point nearby."""

@@ -74,7 +74,7 @@ def choose(family: Family, values: Mapping[str, float], noise: Sequence[NoiseMod
     best = own.descend(own.like(full, mode), *point.latents_at(mode), tolerance=0.1)
     if own.fast is None and not family.is_perfect:
         found = learnt(*_with_noise_of_drives(own, best), 1)
-        own, best = unless_worse(found, (own, best), family.given(RATE_HZ))
+        own, best = unless_worse(found, (own, best), family.at_rate(RATE_HZ))
     own, best, moved = rested(own, best)
     return Chosen(own, best, sets, full.names, moved)
 
@@ -110,7 +110,7 @@ def _with_all(
     # which departures there are would hide behind them; what muscles do that no electrode hears is
     # loud under effort as well, and no error of another's EMG
     if not (family.is_still or family.original.has_unheard) and _errs(full, point):
-        inputs = family.given(RATE_HZ)
+        inputs = family.at_rate(RATE_HZ)
         if followed((full, point), inputs) > _FOLLOWED:
             full, point = unless_worse(_with_errors_of_drives(full, point), (full, point), inputs)
             full, point = learnt(full, point, tolerance=_WEIGHED)

@@ -45,7 +45,7 @@ class Family:
     def __init__(self, problem: FitProblem, follow: Follow | None = None) -> None:
         self._follow = follow
         self.inputs = problem.inputs  #: As they were given.
-        problem = replace(problem, inputs=problem.heard)
+        problem = replace(problem, inputs=problem.inputs_heard)
         self.original = replace(problem, inputs=tuple(sharpened(r) for r in problem.inputs))
         settings = problem.settings
         anatomy = problem.options.anatomy
@@ -105,7 +105,7 @@ class Family:
         there = {group_of(name) for name in self._beliefs}
         return tuple(group for group in groups if group in there)
 
-    def given(self, rate_hz: float) -> tuple[ModelInputs, ...]:
+    def at_rate(self, rate_hz: float) -> tuple[ModelInputs, ...]:
         """The recordings at a rate."""
         if rate_hz not in self._thinned:
             self._thinned[rate_hz] = tuple(
@@ -140,7 +140,7 @@ class Family:
             inputs = of.problem.inputs
             latents = of.latents
         else:
-            inputs = tuple(expected_drives(recording) for recording in self.given(rate_hz))
+            inputs = tuple(expected_drives(recording) for recording in self.at_rate(rate_hz))
             latents = tuple(
                 Latents.of(r, self._silent, whole.n / whole.rate_hz, perfect=self.is_perfect)
                 for r, whole in zip(inputs, self.original.inputs, strict=True)

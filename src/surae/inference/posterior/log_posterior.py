@@ -380,8 +380,10 @@ class LogPosterior(Coordinates):
         H, g = self.reduced(point.blocks)
         return H + np.diag(self.weight**2), g + self.weight**2 * (point.z - self.mean)
 
-    def held(self, j: int, at: float, near: Point, *, evaluations: int, tolerance: float) -> Point:
-        """The mode with a coordinate held, from a point nearby that predicts the others."""
+    def mode_at(
+        self, j: int, at: float, near: Point, *, evaluations: int, tolerance: float
+    ) -> Point:
+        """The mode where a coordinate has a value, from a point nearby that predicts the others."""
         along = self.covariance(near)[:, j]
         z = np.clip(near.z + along / along[j] * (at - near.z[j]), self.lower, self.upper)
         lower = self.lower.copy()

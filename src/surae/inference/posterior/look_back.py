@@ -30,7 +30,7 @@ def simplest(family: Family) -> tuple[Mapping[str, float], float]:
     Where that is little it has several valleys, and is fitted as a user's own is.
     """
     fits: list[tuple[Mapping[str, float], float]] = []
-    for inputs, starts in ((family.given(RATE_HZ), 1), (family.inputs, STARTS)):
+    for inputs, starts in ((family.at_rate(RATE_HZ), 1), (family.inputs, STARTS)):
         plain = family.rigid(inputs, starts=starts)
         whole = replace(plain.problem, inputs=family.inputs)
         left = Residuals(whole).of(np.array([plain.values[name] for name in whole.free]))

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from surae.base.units import FloatArray
-from surae.nerve.impedance import NerveMeasure, Perturbed
+from surae.nerve.measures import NerveMeasure
+from surae.nerve.perturbed_records import Perturbed
 from surae.report import figures
 from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED, Figure
 from surae.report.language import Words

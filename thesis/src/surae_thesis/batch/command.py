@@ -8,14 +8,13 @@ from typing import Any
 
 import click
 
+from surae import api
 from surae.base.errors import ComputationError, InputError
 from surae.base.files import shown, write_table
 from surae.cli.options import DASK, MAPPING, corrections, settings_options, workers_option
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.screen import show_line, show_table
-from surae.processes.runner import engine_of
-from surae.settings import FIT_RECORDS
 
 #: The models of the thesis.
 _MODELS = "1.0,2.0,2.1,2.2"
@@ -45,7 +44,7 @@ _MODELS = "1.0,2.0,2.1,2.2"
     help="How paths are named, as {subject}/{protocol}-{repetition}.  "
     "[default: subject first, repetition last, between / or _]",
 )
-@settings_options(*FIT_RECORDS[:-1])
+@settings_options(*api.FIT_RECORDS[:-1])
 @click.option("--store", required=True, metavar="B.db", help="Keeps every finished fit.")
 @click.option("--output", required=True, metavar="OUT/", help="Folder of tables and page.")
 @workers_option("Fits", many="one for each core")
@@ -79,7 +78,7 @@ def command(
         raise InputError("--model names one; give --models, as --models 1.0,2.1,auto")
     chosen = [model.strip() for model in models.split(",") if model.strip()]
     settings = table.settings_of(chosen, fixed_set, options)
-    engine = engine_of(dask, workers)
+    engine = api.engine_of(dask, workers)
     make_folder(Path(output))
     check_outputs({"--store": store}, [])
     found = files.find_trials(recordings, mapping, name)

@@ -7,9 +7,7 @@ from pathlib import Path
 
 from surae.base.errors import InputError
 from surae.base.files import PathLike, natural_order, sha256_of, shown
-from surae.recording.mapping import TRIAL, Description
-from surae.recording.reading import is_mapping
-from surae.recording.source import open_source
+from surae.recording import Description, description_of, files_of
 from surae.trials import trial_files
 
 #: What parts a name: ``S01/holds_2`` and ``S01_holds_2`` say the same.
@@ -56,7 +54,7 @@ def find_trials(
     InputError
         There is none, a name does not say whose it is, or two files are the same repetition.
     """
-    description = None if mapping is None else Description.of(open_source(mapping))
+    description = None if mapping is None else description_of(mapping)
     found: dict[tuple[str, str, int], NamedTrial] = {}
     for label, path in _labelled(sources, description):
         trial = NamedTrial(*_read(label, pattern), str(path))
@@ -124,14 +122,5 @@ def _matched(label: str, pattern: str) -> tuple[str, str, int]:
 
 def content_of(path: PathLike, mapping: PathLike | None) -> str:
     """What a recording's numbers depend on: its files, and the mapping that describes them."""
-    files = [Path(path)]
-    source = open_source(path)
-    if mapping is not None:
-        description = Description.of(open_source(mapping))
-        if description.patterns:
-            trial, folder = description.trial_of(path)
-            files = [folder / pattern.replace(TRIAL, trial) for pattern in description.patterns]
-        files.append(Path(mapping))
-    elif is_mapping(source):
-        files += [Path(path).parent / name for name in Description.of(source).named]
+    files = files_of(path, mapping)
     return " ".join(sha256_of(file) if file.is_file() else str(file) for file in files)

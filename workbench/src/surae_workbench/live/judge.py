@@ -181,7 +181,7 @@ def judge(
     return judgement | {
         "verdict": advised.verdict,
         "advice": advised.said(api.words_in("en")),
-        "told": {_.language: {"advice": advised.said(_)} for _ in others},
+        "translated": {_.language: {"advice": advised.said(_)} for _ in others},
     }
 
 
@@ -307,7 +307,7 @@ def together(
     known = fit.adequacy.grade != "inadequate"
     next_ = _next(fit, target, device, span)
     return {
-        "told": {
+        "translated": {
             _.language: {
                 "reasons": [*dict.fromkeys(_(reason.plain) for reason in fit.adequacy.against)],
                 "leg": of_leg(measures, _) if known else [],

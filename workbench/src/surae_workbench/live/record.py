@@ -12,7 +12,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import AliasChoices, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from surae.base.cleaning import cleaned
 from surae.base.errors import InputError
@@ -71,7 +71,10 @@ class Judgement(_Part):
     verdict: Literal["keep", "look", "repeat"] | None = None
     advice: str | None = None
     leg: list[str] = []  #: What it says of the leg, in sentences.
-    told: dict[str, dict[str, Any]] = {}  #: Advice, by the languages other than English.
+    #: Advice, by the languages other than English; older records call it ``told``.
+    translated: dict[str, dict[str, Any]] = Field(
+        {}, validation_alias=AliasChoices("translated", "told")
+    )
 
 
 class Record(Judgement):

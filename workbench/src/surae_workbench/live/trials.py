@@ -260,7 +260,11 @@ class Trials:
         if "findings" not in judgement:
             judgement = {"verdict": "repeat", "advice": judgement["why"], **judgement}
         if trial.split is not None or self.trials[number].split is not None:
-            judgement |= {"verdict": "repeat", "advice": self.trials[number].split, "told": {}}
+            judgement |= {
+                "verdict": "repeat",
+                "advice": self.trials[number].split,
+                "translated": {},
+            }
         output = self.path(number, ".h5")
         about = {
             "state": "judged",

@@ -208,7 +208,7 @@ function heardAlarm(alarm) {
 }
 
 /** What was said in the reader's language, else in English. */
-const own = (what) => ({ ...what, ...what.told?.[language] });
+const own = (what) => ({ ...what, ...what.translated?.[language] });
 
 function pill(trial) {
   if (trial.state === "judged") return h("span", { class: `pill ${trial.verdict}` }, `${SIGNS[trial.verdict]} ${WORDS[trial.verdict]}`);
@@ -217,7 +217,7 @@ function pill(trial) {
 
 function showTrials() {
   const items = [...state.trials].reverse().map((trial) => {
-    const numbers = trial.grade ? `${_(trial.grade)}, VAF ${r2(trial.vaf)}` : !trial.told?.[language] && _(trial.why);
+    const numbers = trial.grade ? `${_(trial.grade)}, VAF ${r2(trial.vaf)}` : !trial.translated?.[language] && _(trial.why);
     const about = [_(trial.protocol), numbers, trial.note].filter(Boolean).join(" · ");
     return h("li", {}, h("strong", {}, _("Trial {n}", { n: trial.trial })), pill(trial), h("span", { class: "muted small" }, about),
       own(trial).advice ? h("span", { class: "muted small" }, own(trial).advice) : null,
