@@ -10,6 +10,7 @@ from surae.inference import make_problem
 from surae.inference.least_squares.residuals import Residuals
 from surae.model import ModelOptions
 from surae.model.parameters import MUSCLE_PARAMETERS
+from surae.signals import emg_sizes
 
 FIFTEEN = tuple(p.name for p in MUSCLE_PARAMETERS)
 
@@ -146,8 +147,33 @@ def test_mixed_emg_units(clean):
 
 
 def test_normalised_emg_has_its_own_weights(clean):
-    problem = make_problem([replace(clean, emg_unit="1")])
-    assert problem.upper[problem.free.index("g2")] == 2e4
+    problem = make_problem([replace(clean, emg_unit="1", emg=clean.emg / clean.emg.max(axis=0))])
+    assert problem.upper[problem.free.index("g2")] == pytest.approx(2e4, rel=0.3)
+
+
+@pytest.mark.parametrize("size", [1e-3, 1e3])
+def test_weights_have_the_bounds_and_start_of_their_electrodes(clean, size):
+    """No unit and no gain of an amplifier decides: what an effort is, the leg itself shows."""
+    plain, other = (
+        make_problem([replace(clean, emg=clean.emg * s)], free=("emg_rest",)) for s in (1.0, size)
+    )
+    for name, p in plain.table.items():
+        q = other.table[name]
+        factor = 1 / size if name in plain.spec.weights else size if "emg_rest" in name else 1.0
+        assert (q.start, q.lower, q.upper) == pytest.approx(
+            (factor * p.start, factor * p.lower, factor * p.upper)
+        )
+    weights = [plain.free.index(name) for name in plain.spec.weights]
+    assert plain.upper[weights] == pytest.approx(size * other.upper[weights])
+
+
+def test_an_electrode_without_effort_is_amplified_as_the_others(clean):
+    """Noise of an electrode is no effort that could be as weak as it."""
+    quiet = clean.emg.copy()
+    quiet[:, 2] = 1e-6 * (1.0 + 0.1 * np.sin(np.arange(len(quiet))))
+    sizes = emg_sizes([replace(clean, emg=quiet)])
+    assert min(sizes) < sizes[2] < max(sizes)
+    assert sizes[2] > 0.1 * emg_sizes([clean])[2]
 
 
 def cut(inputs, n):

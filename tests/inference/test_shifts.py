@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from surae.inference.evidence import LaplaceApproximation, Subset, root, subsets
+from surae.inference.evidence import LaplaceApproximation, Subset, inverse_of, root, subsets
 from surae.inference.posterior.laplace import between_subsets, between_trials, dynamics
 
 RNG = np.random.default_rng(5)
@@ -75,10 +75,22 @@ def test_subsets_are_weighed_by_their_evidence_and_odds() -> None:
 
 
 def test_shifts_add_up_to_their_covariance() -> None:
-    np.testing.assert_allclose(root(V).T @ root(V), V)
+    sd = np.sqrt(np.diag(V))
+    np.testing.assert_allclose(root(V, sd).T @ root(V, sd), V)
     thin = np.outer(V[0], V[0])
-    assert root(thin).shape == (1, 3)
-    np.testing.assert_allclose(root(thin).T @ root(thin), thin)
+    assert root(thin, sd).shape == (1, 3)
+    np.testing.assert_allclose(root(thin, sd).T @ root(thin, sd), thin)
+
+
+def test_shifts_lose_nothing_that_is_small_in_its_unit() -> None:
+    """A level in volts beside a length in mm: no unit decides what is rounded away."""
+    size = np.array([1e-9, 1.0, 1e6])
+    of_volts = V * size * size[:, None]
+    sd = np.sqrt(np.diag(of_volts))
+    shifts = root(of_volts, sd)
+    assert len(shifts) == 3
+    np.testing.assert_allclose(shifts.T @ shifts, of_volts)
+    np.testing.assert_allclose(inverse_of(np.linalg.inv(of_volts)), of_volts, rtol=1e-9)
 
 
 def subset(weight: float, mode: list[float], variance: list[float]) -> Subset:

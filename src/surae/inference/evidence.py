@@ -19,11 +19,22 @@ from surae.base.units import FloatArray
 _ROUNDING = 1e-11
 
 
-def root(covariance: FloatArray) -> FloatArray:
-    """Shifts whose outer products add up to a covariance, shape (r, q)."""
-    values, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
+def root(covariance: FloatArray, unit: FloatArray | None = None) -> FloatArray:
+    """Shifts whose outer products add up to a covariance, shape (r, q).
+
+    In `unit`, shape (q,), all are of one size: what is in volts is then rounded as what is in mm.
+    """
+    unit = np.ones(len(covariance)) if unit is None else unit
+    scaled = covariance / np.outer(unit, unit)
+    values, vectors = np.linalg.eigh(0.5 * (scaled + scaled.T))
     kept = values > 1e-12 * max(float(values[-1]), 1e-300)
-    return np.asarray((vectors[:, kept] * np.sqrt(values[kept])).T)
+    return np.asarray((vectors[:, kept] * np.sqrt(values[kept])).T * unit)
+
+
+def inverse_of(information: FloatArray) -> FloatArray:
+    """Covariance of an information whose columns are of very different size, shape (q, q)."""
+    scale = 1.0 / np.sqrt(np.diag(information))
+    return np.asarray(np.linalg.inv(information * scale * scale[:, None]) * scale * scale[:, None])
 
 
 @dataclass(frozen=True, slots=True)

@@ -71,11 +71,14 @@ def population_priors(
 
 
 def wide_priors(
-    options: ModelOptions | None = None, emg_unit: str = "V"
+    options: ModelOptions | None = None,
+    emg_unit: str = "V",
+    emg_sizes: Sequence[float] = (1.0, 1.0, 1.0, 1.0),
 ) -> dict[str, tuple[float, float]]:
     """Median and spread of every parameter that is above zero, of a leg nothing is known of."""
     priors = {}
-    for name, p in adapted(PARAMETERS.values(), options or ModelOptions(), emg_unit).items():
+    table = adapted(PARAMETERS.values(), options or ModelOptions(), emg_unit, emg_sizes)
+    for name, p in table.items():
         if p.wide is not None:
             priors[name] = p.wide.median, p.wide.spread
         elif p.known:

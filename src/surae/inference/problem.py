@@ -21,11 +21,12 @@ from surae.model import (
     with_optional,
 )
 from surae.model.laboratory import richest
+from surae.model.parameter import Parameter
 from surae.model.parameters import OPTIONAL
 from surae.model.prior import Prior
 from surae.recording import MUSCLES
 from surae.settings import FitSettings
-from surae.signals import ModelInputs, noise_alone
+from surae.signals import ModelInputs, emg_sizes, noise_alone
 from surae.signals.inputs import check_estimable
 
 #: Between these lies the mass of any foot and plate, weighed [kg].
@@ -106,6 +107,15 @@ class FitProblem(Comparable):
         pairs = zip(self.lower.tolist(), self.upper.tolist(), strict=True)
         return dict(zip(self.free, pairs, strict=True))
 
+    @property
+    def table(self) -> dict[str, Parameter]:
+        """The model's parameters by name, for these options and EMG of this unit and size."""
+        return self.table_of(self.spec, self.options)
+
+    def table_of(self, spec: ModelSpec, options: ModelOptions) -> dict[str, Parameter]:
+        """Those of another model or under other options."""
+        return adapted(spec.parameters, options, self.inputs[0].emg_unit, emg_sizes(self.inputs))
+
     def of_model(
         self,
         spec: ModelSpec,
@@ -116,7 +126,7 @@ class FitProblem(Comparable):
     ) -> "FitProblem":
         """The problem of another model, with its own start and bounds where none are given."""
         options = changes.get("options", self.options)
-        table = adapted(spec.parameters, options, self.inputs[0].emg_unit)
+        table = self.table_of(spec, options)
         bounds = [limits.get(n, (table[n].lower, table[n].upper)) for n in free]
         return replace(
             self,
@@ -171,7 +181,7 @@ def make_problem(
     prescribed = {**absent, **_agreed_fixed(inputs, fixed), **fixed}
     for names in (prescribed, start, bounds, tuple(free)):
         check_names(names, spec)
-    table = adapted(spec.parameters, options, _agreed_unit(inputs))
+    table = adapted(spec.parameters, options, _agreed_unit(inputs), emg_sizes(inputs))
     if both := [name for name in free if name in prescribed]:
         raise InputError(f"{both[0]} is both free and fixed; choose one")
     for values in (prescribed, start):

@@ -1,6 +1,6 @@
 """A parameter of a model, and what a joint, a geometry and the EMG's unit make of it."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import astuple, dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
@@ -9,6 +9,7 @@ from surae.base.units import FloatArray
 from surae.model.joint import Value
 from surae.model.options import ModelOptions
 from surae.model.prior import Prior
+from surae.recording import MUSCLES
 
 if TYPE_CHECKING:
     from surae.signals import ModelInputs
@@ -75,8 +76,18 @@ _NORMALISED: dict[str, dict[str, Any]] = {
 }
 
 
+#: Which of TA, GL, SOL, GM a parameter in the EMG's unit is of: weights of the models, rest.
+CHANNEL_OF: Mapping[str, int] = FrozenDict(
+    {f"{weight}{k + 1}": k for weight in "ge" for k in range(len(MUSCLES))}
+    | {f"emg_rest_{muscle}": k for k, muscle in enumerate(MUSCLES)}
+)
+
+
 def adapted(
-    parameters: Iterable[Parameter], options: ModelOptions, emg_unit: str = "V"
+    parameters: Iterable[Parameter],
+    options: ModelOptions,
+    emg_unit: str = "V",
+    emg_sizes: Sequence[float] = (1.0, 1.0, 1.0, 1.0),
 ) -> dict[str, Parameter]:
     """The parameters by name, start, bounds, unit and priors adapted to options and EMG unit.
 
@@ -89,8 +100,22 @@ def adapted(
         bounds for lengths and stiffnesses; the tendon's ε0 is a length or a strain.
     emg_unit : {"V", "1"}
         Weights of a normalised envelope are in N and of another magnitude.
+    emg_sizes : sequence of float
+        How many times larger than usual the EMG of TA, GL, SOL, GM is, as `surae.signals.emg_sizes`
+        finds it: a weight is smaller by as much, and a level at rest larger.
     """
-    return {p.name: _adapted(p, options, emg_unit) for p in parameters}
+    made = (_adapted(p, options, emg_unit) for p in parameters)
+    return {p.name: _sized(p, emg_sizes) for p in made}
+
+
+def _sized(p: Parameter, emg_sizes: Sequence[float]) -> Parameter:
+    """A parameter in the EMG's unit for EMG of another size."""
+    if (channel := CHANNEL_OF.get(p.name)) is None or emg_sizes[channel] == 1.0:
+        return p
+    factor = emg_sizes[channel] ** (1 if p.signed else -1)
+    wide = None if p.wide is None else replace(p.wide, median=p.wide.median * factor)
+    start, lower, upper = (factor * value for value in (p.start, p.lower, p.upper))
+    return replace(p, start=start, lower=lower, upper=upper, wide=wide)
 
 
 def _adapted(p: Parameter, options: ModelOptions, emg_unit: str) -> Parameter:

@@ -16,7 +16,7 @@ from surae.model import ModelOptions, ModelSpec, get_model, with_optional
 from surae.model.joint import ANKLE
 from surae.model.laboratory import AUTO, COMPLIANT, EACH_TRIAL, NONE, group_of, laboratory, richest
 from surae.model.source import Gaussian
-from surae.signals import emg_levels
+from surae.signals import emg_levels, emg_sizes
 from surae.studies.leg import EMG_FULL, EMG_REST
 from surae.studies.populations import POPULATIONS, TENDONS, virtual_subject
 
@@ -128,7 +128,8 @@ def fit_legs(fit: AssessedFit, count: int, *, seed: int = 0) -> Legs:
     drawn = _possible(assessment.uncertainty.at_assumed, priors).draw(count - 1, seed)
     rows[1:, columns] = drawn[:, : len(columns)]
     # what the fit's recordings reach, or a typical one if at rest
-    typical = EMG_FULL if problem.inputs[0].emg_unit == "V" else 1.0
+    unit = problem.inputs[0].emg_unit
+    typical = np.array(emg_sizes(problem.inputs)) * (EMG_FULL if unit == "V" else 1.0)
     seen = np.array(emg_levels(problem.inputs))
     levels = np.where(seen > 0.2 * typical, seen, typical)
     return Legs(
@@ -140,7 +141,7 @@ def fit_legs(fit: AssessedFit, count: int, *, seed: int = 0) -> Legs:
         read_only(rows),
         emg_rest=read_only(np.zeros(4)),
         emg_full=read_only(levels),
-        emg_unit=problem.inputs[0].emg_unit,
+        emg_unit=unit,
         of_fit=True,
     )
 

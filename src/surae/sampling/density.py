@@ -18,18 +18,19 @@ from surae.inference import FitProblem, FitResult
 from surae.inference.least_squares.minimise import Ends, minimise, sum_of_squares
 from surae.inference.least_squares.residuals import Residuals
 from surae.inference.population_priors import checked_prior, wide_priors
-from surae.model import adapted
 from surae.model.laboratory import laboratory
 from surae.model.prior import Prior
 from surae.model.source import Gaussian
+from surae.signals import emg_sizes
 
 
 def beliefs(
     problem: FitProblem, priors: Mapping[str, tuple[float, float]] | None = None
 ) -> dict[str, Prior]:
     """The prior of every free parameter: given now (median, spread), else the fit's, else wide."""
-    table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
-    wide = wide_priors(problem.options, problem.inputs[0].emg_unit)
+    table = problem.table
+    first = problem.inputs[0]
+    wide = wide_priors(problem.options, first.emg_unit, emg_sizes(problem.inputs))
     known = {}
     for name in problem.free:
         p = table[name]

@@ -23,7 +23,6 @@ from surae.inference.identifiability.identified import unexplained
 from surae.inference.uncertainty.arms_and_paths import arms_and_paths
 from surae.inference.uncertainty.combined import information_root
 from surae.inference.uncertainty.covariance import half_width
-from surae.model import adapted
 from surae.sampling.conditional import ConditionalMinimum, Surface, surface_of
 
 Status = Literal["closed", "open", "lower-minimum"]
@@ -116,7 +115,7 @@ def profile(
     """
     check_profiled(result, name, variance_inflation)
     problem = result.problem
-    table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
+    table = problem.table
     search = _Search(result, name, over or surface_of(result), stopped, variance_inflation)
     (low, why_low) = search.end(-1)
     (high, why_high) = search.end(+1)

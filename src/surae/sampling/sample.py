@@ -26,7 +26,6 @@ from surae.inference import FitResult, LeastSquares
 from surae.inference.judging.assessment import described
 from surae.inference.uncertainty.arms_and_paths import ArmsAndPaths, arms_and_paths
 from surae.inference.uncertainty.covariance import Covariance, covariance, half_width
-from surae.model import adapted
 from surae.model.prior import Prior
 from surae.recording.frames import library
 from surae.sampling.density import Target
@@ -304,7 +303,7 @@ def _marginals(
 ) -> dict[str, Marginal]:
     """What is known of each, of draws at the fit's arms and paths, and of such as may be."""
     problem = result.problem
-    table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
+    table = problem.table
     sems = dict(zip(estimated.names, np.sqrt(np.diag(estimated.matrix)).tolist(), strict=True))
     marginals = {}
     for j, name in enumerate(problem.free):

@@ -4,6 +4,7 @@ from surae.signals.inputs import EmgReference, Film, ModelInputs, check_estimabl
 from surae.signals.normalise import (
     emg_levels,
     emg_reference,
+    emg_sizes,
     noise_alone,
     normalise,
     normalised,
@@ -25,6 +26,7 @@ __all__ = [
     "check_estimable",
     "emg_levels",
     "emg_reference",
+    "emg_sizes",
     "inputs_as_given",
     "noise_alone",
     "normalise",

@@ -29,6 +29,12 @@ _EFFORT = 2.0
 _EFFORT_HZ = 6.0
 #: Part of the strongest EMG below which what is steady is noise: muscles of a leg differ tenfold.
 _FAINT = 0.05
+#: Largest envelope of a leg by the unit of its EMG, which bounds and priors of weights are given
+#: for: volts at the skin (`studies.leg`), or a part of an effort.
+_USUAL = {"V": 6e-4, "1": 1.0}
+#: Part of a largest effort that steady EMG is taken for where no electrode shows any effort: it is
+#: rest or a light effort, and nothing but its unit would say which.
+_LIGHT = 0.03
 _OF = {"session": "the session's largest envelope", "mvc": "maximum voluntary contractions"}
 
 
@@ -160,6 +166,26 @@ def steady_emg(inputs: Sequence[ModelInputs]) -> tuple[bool, ...]:
     emg = np.concatenate([_averaged(recording)[recording.counts] for recording in inputs])
     weak, strong = np.percentile(emg, [25.0, 99.0], axis=0)
     return tuple((strong <= np.maximum(_EFFORT * weak, 0.0)).tolist())
+
+
+def emg_sizes(inputs: Sequence[ModelInputs]) -> tuple[float, float, float, float]:
+    """How many times larger than usual the EMG of TA, GL, SOL, GM is; 1 without EMG.
+
+    Skin and amplifier make it anything. Bounds and priors of what has the EMG's unit are adapted to
+    it (`surae.model.parameter.adapted`), so that no unit and no gain decides in a fit. An electrode
+    whose EMG is steady beside others that show effort is taken to be amplified as these are.
+    """
+    usual = _USUAL[inputs[0].emg_unit]
+    each = [_averaged(recording)[recording.counts].max(axis=0) for recording in inputs]
+    sizes = np.max(each, axis=0) / usual
+    there = sizes > 0.0
+    steady = np.array(steady_emg(inputs))
+    if (shown := there & ~steady).any():
+        sizes[steady] = np.exp(np.log(sizes[shown]).mean())
+    else:
+        sizes /= _LIGHT
+    ta, gl, sol, gm = np.where(there, sizes, 1.0)
+    return float(ta), float(gl), float(sol), float(gm)
 
 
 def noise_alone(inputs: Sequence[ModelInputs]) -> set[int]:

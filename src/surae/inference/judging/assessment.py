@@ -44,7 +44,6 @@ from surae.inference.uncertainty.combined import (
 )
 from surae.inference.uncertainty.covariance import Covariance, covariance, ipde
 from surae.inference.uncertainty.robust import RobustCovariance, robust_covariance
-from surae.model import adapted
 from surae.model.symmetry import tied_to_geometry
 from surae.quality.finding import Quality
 
@@ -233,7 +232,7 @@ def _parameters(
     against: Contradiction | None,
 ) -> dict[str, ParameterEstimate]:
     problem = result.problem
-    table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
+    table = problem.table
     ends = zip(problem.lower.tolist(), problem.upper.tolist(), strict=True)
     bounds = dict(zip(problem.free, ends, strict=True))
     variances = dict(zip(estimated.names, np.diag(estimated.matrix).tolist(), strict=True))

@@ -21,7 +21,7 @@ from surae.inference.noise import NoiseModel, noise_behind, whitened
 from surae.inference.posterior.linearised import measured
 from surae.inference.problem import FitProblem
 from surae.inference.result import FitResult, LeastSquares, is_at_bound
-from surae.model import adapted, get_model, with_optional
+from surae.model import get_model, with_optional
 from surae.model.laboratory import COMPLIANT, RIGID, group_of, laboratory
 from surae.model.source import Gaussian
 from surae.signals import ModelInputs
@@ -107,7 +107,7 @@ def _richer(result: FitResult) -> _Richer:
     }
     compliant = COMPLIANT if problem.spec.name == RIGID else problem.spec.name
     spec = with_optional(get_model(compliant), [*nuisances, *problem.spec.optional])
-    table = adapted(spec.parameters, problem.options, problem.inputs[0].emg_unit)
+    table = problem.table_of(spec, problem.options)
     values = {n: result.values.get(n, belief.off) for n, belief in nuisances.items()}
     values |= {n: value for n, value in result.values.items() if n in spec.names}
     free = tuple(

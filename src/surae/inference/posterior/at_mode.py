@@ -9,7 +9,7 @@ from surae.base.frozen import FrozenDict, read_only
 from surae.base.units import FloatArray
 from surae.base.versions import versions
 from surae.base.words import Message
-from surae.inference.evidence import Subset
+from surae.inference.evidence import Subset, inverse_of
 from surae.inference.least_squares.minimise import Outcome
 from surae.inference.least_squares.residuals import jacobian_root
 from surae.inference.posterior import laplace
@@ -171,7 +171,7 @@ def _each(post: LogPosterior, point: Point, change: FloatArray) -> tuple[OfRecor
     prior = post.weight**2
     leg = {n: j for j, n in enumerate(post.problem.free) if group_of(n) is None}
     for b in point.blocks:
-        V = np.linalg.inv(b.H + np.diag(prior))
+        V = inverse_of(b.H + np.diag(prior))
         z = point.z - V @ (b.g + prior * (point.z - post.mean))
         sd = np.sqrt(np.diag(change @ V @ change.T))
         values = post.by_name(np.clip(z, post.lower, post.upper))

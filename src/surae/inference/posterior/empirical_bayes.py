@@ -108,7 +108,7 @@ def learnt_sizes(
     """
     squares = dict.fromkeys(SOURCES, 0.0)
     counts = dict.fromkeys(SOURCES, 0.0)
-    V = _covariance(posterior, point)
+    V = posterior.covariance(point)
     for c, b, latents in zip(point.c, point.blocks, posterior.latents, strict=True):
         cov = cho_solve(b.factor, np.eye(len(c))) + b.solved @ V @ b.solved.T
         for source in SOURCES:
@@ -140,7 +140,7 @@ def learnt_films(posterior: LogPosterior, point: Point) -> tuple[Latents, ...]:
     """The latents with what residuals say of the noise of each film."""
     if not any(latents.films for latents in posterior.latents):
         return posterior.latents
-    V = root(_covariance(posterior, point))
+    V = _root_of(posterior, point)
     learnt = []
     for number, (latents, b) in enumerate(zip(posterior.latents, point.blocks, strict=True)):
         films = [
@@ -162,7 +162,7 @@ def learnt_noise(
     """
     if posterior.fast == 0.0 and not anew and not posterior.rectified:
         return posterior.noise
-    V = root(_covariance(posterior, point))
+    V = _root_of(posterior, point)
     models = []
     for number, (own, b) in enumerate(zip(posterior.noise, point.blocks, strict=True)):
         rows = posterior.rows(point, number)[0]
@@ -180,9 +180,10 @@ def learnt_noise(
     return tuple(models)
 
 
-def _covariance(posterior: LogPosterior, point: Point) -> FloatArray:
-    H, _ = posterior.reduced(point.blocks)
-    return np.asarray(np.linalg.inv(H + np.diag(posterior.weight**2)))
+def _root_of(posterior: LogPosterior, point: Point) -> FloatArray:
+    """Root of the covariance of the searched coordinates, shape (r, q)."""
+    V = posterior.covariance(point)
+    return root(V, np.sqrt(np.diag(V)))
 
 
 def _taken(V: FloatArray, b: Block, rows: SensorRows, noise: NoiseModel) -> FloatArray:

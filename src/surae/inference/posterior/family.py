@@ -25,7 +25,7 @@ from surae.inference.result import TENDONS, FitResult
 from surae.model import get_model, with_optional
 from surae.model.laboratory import COMPLIANT, DEPARTURES, NONE, RIGID, group_of, laboratory
 from surae.model.source import Gaussian
-from surae.signals import ModelInputs, emg_levels, quiet_levels, steady_emg
+from surae.signals import ModelInputs, emg_levels, emg_sizes, quiet_levels, steady_emg
 from surae.signals.prepare import sharpened
 from surae.signals.resample import thinned, thinning_factor
 
@@ -69,6 +69,7 @@ class Family:
         self._options = problem.options
         if self._options.emg_ref is None:
             self._options = replace(self._options, emg_ref=emg_levels(self.inputs))
+        self._emg_sizes = emg_sizes(problem.inputs)
         self._weights = _weights(problem)
         self.is_perfect = settings.nuisances == NONE  #: Whether nothing of a laboratory is unsure.
         self.is_still = self.is_perfect  #: Whether nothing is to differ from moment to moment.
@@ -187,7 +188,7 @@ class Family:
 
     def _leg(self, problem: FitProblem) -> dict[str, Gaussian]:
         """What is known of the leg's own parameters, as they are searched."""
-        wide = wide_priors(problem.options, problem.inputs[0].emg_unit)
+        wide = wide_priors(problem.options, problem.inputs[0].emg_unit, self._emg_sizes)
         # widened, a Gaussian would believe as much in a rigid one
         for name in {*TENDONS} - {*problem.options.anatomy.parameters}:
             wide[name] = (wide[name][0], wide[name][1] / WIDENED)

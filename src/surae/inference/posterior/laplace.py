@@ -61,11 +61,12 @@ def shifts_by_source(
         if len(b.fast):
             moved = b.followed(np.concatenate([V[b.at], -b.solved @ V, np.zeros((1, len(V)))]))
             latent["fast"] += moved.T @ posterior.fast_product(number, moved)
+    sd = np.sqrt(np.diag(V))
     for source, C in latent.items():
         if C.any():
-            shifts[_CALLED.get(source, "emg_noise")] = root(C)
+            shifts[_CALLED.get(source, "emg_noise")] = root(C, sd)
             total = total + C
-    shifts["noise"] = root(V - total)
+    shifts["noise"] = root(V - total, sd)
     return shifts
 
 
@@ -101,8 +102,8 @@ def between_subsets(
         wider += s.weight * (s.variance - chosen.variance)[its]
     more = np.zeros(len(V))
     more[mine] = np.sqrt(np.maximum(wider, 0.0))
-    scale = np.where(more > 0.0, more / np.sqrt(np.diag(V)), 0.0)
-    return np.concatenate([moved, root(V) * scale])
+    sd = np.sqrt(np.diag(V))
+    return np.concatenate([moved, root(V, sd) * np.where(more > 0.0, more / sd, 0.0)])
 
 
 def dynamics(posterior: LogPosterior, V: FloatArray, beta: float, *, unheard: bool) -> FloatArray:

@@ -19,7 +19,7 @@ from scipy.linalg import cho_factor, cho_solve, cholesky_banded
 
 from surae.base.units import FloatArray
 from surae.inference.coordinates import Coordinates
-from surae.inference.evidence import LaplaceApproximation
+from surae.inference.evidence import LaplaceApproximation, inverse_of
 from surae.inference.least_squares.minimise import box_quadratic, eased, predicted_gain
 from surae.inference.least_squares.starts import Follow
 from surae.inference.noise import NoiseModel
@@ -291,9 +291,7 @@ class LogPosterior(Coordinates):
     def covariance(self, point: Point) -> FloatArray:
         """Covariance of the searched coordinates, latents eliminated, shape (q, q)."""
         H, _ = self.reduced(point.blocks)
-        H = H + np.diag(self.weight**2)
-        scale = 1.0 / np.sqrt(np.diag(H))
-        return np.asarray(np.linalg.inv(H * scale * scale[:, None]) * scale * scale[:, None])
+        return inverse_of(H + np.diag(self.weight**2))
 
     def descend(
         self,

@@ -30,6 +30,8 @@ from surae.model.source_table import SOURCES
 
 #: The angle of the fit at which the ankle has its own zero [rad], of which measures alone are made.
 ZERO = "zero_of_angle"
+#: Part of each variance that keeps a covariance of fewer shifts than names from being singular.
+_RIDGE = 1e-10
 
 
 @dataclass(frozen=True, slots=True)
@@ -229,12 +231,11 @@ class Uncertainty(Comparable):
         rows = (rows @ along.T / self.scale)[:, order]
         sd = np.sqrt(np.sum(rows**2, axis=0))
         unit = np.where(sd > 0.0, sd, 1.0)
-        w, vectors = np.linalg.eigh((rows / unit).T @ (rows / unit))
-        largest = np.argmax(np.abs(vectors), axis=0)
-        vectors = vectors * np.sign(vectors[largest, np.arange(len(w))])
-        root = np.empty_like(vectors)
-        root[order] = vectors * np.sqrt(np.maximum(w, 0.0)) * unit[:, None]
-        half = np.random.default_rng(seed).standard_normal(((count + 1) // 2, len(w))) @ root.T
+        alike = (rows / unit).T @ (rows / unit)
+        # axes of equal size would be any: rounding decided which legs are drawn
+        root = np.empty_like(alike)
+        root[order] = np.linalg.cholesky(alike + _RIDGE * np.eye(len(sd))) * sd[:, None]
+        half = np.random.default_rng(seed).standard_normal(((count + 1) // 2, len(sd))) @ root.T
         half += self.shift / self.scale
         return np.concatenate([half, -half])[:count] + self.mean_away
 
