@@ -18,7 +18,7 @@ from surae.base.units import FloatArray
 from surae.base.words import Message
 from surae.inference import Grade
 from surae.inference.relaxed.curve import PossibleLegs, RelaxedCurve
-from surae.inference.relaxed.pair import paired_legs
+from surae.inference.relaxed.pair import REMOUNTED, LegPairs, paired_legs
 from surae.measures.measure import Measure
 from surae.measures.reliability import reliability_of
 from surae.measures.rest import values_of_rest
@@ -32,8 +32,9 @@ _KNOWN_SHIFT = 0.7
 _STEP = 1.0
 _FEWEST = 12
 SHIFT = "curve_shift"
-#: What makes a curve doubtful, and of which kind it is; those that are of foot and nerve are the
-#: same at both visits, if both have them.
+#: What makes a curve doubtful, and of which kind it is. Plate and nerve are the same at both visits,
+#: and then cancel; the joint posterior says how likely they are not, and from where on none is
+#: judged.
 _KINDS = {
     "relaxed/noisy": "noisy",
     "relaxed/short": "short",
@@ -41,7 +42,8 @@ _KINDS = {
     "relaxed/heavy": "plate",
     "relaxed/reflex": "reflex",
 }
-_SHARED = frozenset({"plate", "reflex"})
+_SHARED = ("plate", "reflex")
+_UNLIKE = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +105,7 @@ def rest_change(
         sides.append({each.name: each for each in values_of_rest(common, possible, angles)})
     made = {name: _difference(sides[0][name], sides[1][name]) for name in sides[0]}
     made[SHIFT] = _shift(before, after, pairs.before, pairs.after)
-    return RestChange(FrozenDict(made), _doubt(before, after), pairs.alike)
+    return RestChange(FrozenDict(made), _doubt(before, after, pairs), pairs.alike)
 
 
 def with_detectable_changes(
@@ -124,12 +126,12 @@ def with_detectable_changes(
     return tuple(made)
 
 
-def _doubt(before: RelaxedCurve, after: RelaxedCurve) -> str:
+def _doubt(before: RelaxedCurve, after: RelaxedCurve, pairs: LegPairs) -> str:
     """Why none is judged: a doubt that both visits do not share, so that it does not cancel."""
-    kinds = [_doubts(curve) for curve in (before, after)]
-    for place, own, other in zip(("before", "after"), kinds, reversed(kinds), strict=True):
-        for kind, reason in own.items():
-            if kind not in _SHARED or kind not in other:
+    unlike = dict(zip(_SHARED, pairs.unlike, strict=True))
+    for place, curve in zip(("before", "after"), (before, after), strict=True):
+        for kind, reason in _doubts(curve).items():
+            if unlike.get(kind, 1.0) > _UNLIKE:
                 return Message(f"change/doubtful/rest/{place}", reason=reason)
     return ""
 

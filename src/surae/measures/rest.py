@@ -186,7 +186,7 @@ def _withheld(curve: RelaxedCurve, at: float, slow: bool) -> Message | None:
 
 
 def _of_range(
-    curve: RelaxedCurve, legs: PossibleLegs, moved: tuple[float, float]
+    curve: RelaxedCurve, legs: PossibleLegs, moved: tuple[float, float], at_ends: float = _AT_ENDS
 ) -> Iterator[_Asked]:
     low, high = moved
     last = max(low, high - _LAST)
@@ -220,7 +220,7 @@ def _of_range(
             )
             continue
         made = []
-        for zero in (np.zeros_like(legs.zero), _AT_ENDS * legs.zero):
+        for zero in (np.zeros_like(legs.zero), at_ends * legs.zero):
             first, last_torque = (_relaxed_torque(curve, legs, degrees + zero) for degrees in span)
             value = last_torque
             if name != "end_torque":
@@ -428,10 +428,14 @@ def _judged(
 def values_of_rest(
     curve: RelaxedCurve, legs: PossibleLegs, angles: Sequence[float]
 ) -> tuple[_Asked, ...]:
-    """Every measure of these possible legs of a curve, not judged: values by leg, or why none."""
+    """Every measure of these possible legs of a curve, not judged: values by leg, or why none.
+
+    The range is the device's, through which a leg that is mounted anew moves otherwise, so that the
+    whole of its zero is in what is over that range.
+    """
     return (
         *_at_angles(curve, legs, angles),
-        *_of_range(curve, legs, curve.moved),
+        *_of_range(curve, legs, curve.moved, 1.0),
         *_at_torques(curve, legs),
         *_of_time(curve, legs, curve.moved),
     )

@@ -108,6 +108,7 @@ def _curve(
         tuple(message for _, message in sorted(found, key=lambda each: not each[0])),
         _samples(estimate, (shares @ means)[inner:]),
         estimate.rest.by == "declared",
+        tuple((part.hypothesis.plate, part.hypothesis.reflex) for part in estimate.parts),
     )
 
 

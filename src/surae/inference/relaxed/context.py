@@ -41,8 +41,8 @@ GAMMA = (math.log(0.12), 0.7)
 #: goniometer's standard error is 1.8 to 2.8°).
 _ANGLE_ZERO = 2.5
 #: Prior probabilities: an unstated plate, a reflex, zeros of trials apart.
-_ODDS_PLATE = 0.03
-_ODDS_REFLEX = 0.1
+ODDS_PLATE = 0.03
+ODDS_REFLEX = 0.1
 _ODDS_APART = 0.5
 
 
@@ -82,9 +82,9 @@ class Hypothesis:
 
 def hypotheses(laboratory: Laboratory, trials: int) -> tuple[Hypothesis, ...]:
     """All that is weighed; odds sum to one."""
-    untold = 0.0 if laboratory.plate_known else _ODDS_PLATE
+    untold = 0.0 if laboratory.plate_known else ODDS_PLATE
     plates = {False: 1.0 - untold, True: untold}
-    reflexes = {False: 1.0 - _ODDS_REFLEX, True: _ODDS_REFLEX}
+    reflexes = {False: 1.0 - ODDS_REFLEX, True: ODDS_REFLEX}
     zeros = {False: 1.0 - _ODDS_APART, True: _ODDS_APART} if trials > 1 else {True: 1.0}
     return tuple(
         Hypothesis(plate, reflex, apart, a * b * c, laboratory.foot_rad)

@@ -115,6 +115,8 @@ class RelaxedCurve(Comparable):
     samples: RestSamples  #: What was measured.
     #: Whether no electrode shows any effort, so that all is rest because it is meant to be.
     is_declared: bool = False
+    #: Of each part, whether it reads a plate that nobody stated, and a reflex; empty: not known.
+    parts: tuple[tuple[bool, bool], ...] = ()
 
     def __post_init__(self) -> None:
         """Make mappings read-only."""
