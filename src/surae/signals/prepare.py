@@ -1,7 +1,7 @@
 """From a recording to model inputs: the whole chain, and a plain account of it."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Literal
 
@@ -52,8 +52,9 @@ def prepare(
     settings : Preparation
         Cut-offs, orders and rate.
     prepared : bool
-        Use all signals as they are. They must share one uniform time axis; only derivatives that
-        are not given are computed.
+        Use all signals as they are: no filter goes over them. They must share one uniform time
+        axis; only derivatives that are not given are computed. A fit by `auto` may lower their rate
+        (`surae.signals.thinned`); predictions and simulations never do.
 
     Returns
     -------
@@ -89,6 +90,8 @@ def prepare(
     missing = tuple(muscle for muscle in MUSCLES if muscle not in present)
     if missing:
         steps.append(Message("made/no-emg", muscles=", ".join(missing)))
+    if present and recording.emg != "raw":
+        steps += _envelope_rate_step([recording.channels[f"emg_{m}"] for m in present])
     torque = signals.get("torque")
     units = (c.unit for role, c in recording.channels.items() if role.startswith("emg_"))
     cutoff = None if prepared else settings.bessel_hz
@@ -277,6 +280,18 @@ def _resampling_steps(
         slowest = min(sources, key=lambda role: sources[role].axis.rate_hz)
         steps.append(Message("made/slowest", role=slowest, hz=wanted_hz))
     return steps
+
+
+#: Envelopes of a lower rate [Hz] say less than a fit by `auto` reads.
+_FULL_HZ = 64.0
+
+
+def _envelope_rate_step(envelopes: Sequence[Channel]) -> list[Message]:
+    """What envelopes of this rate cannot say: nothing brings back what lies above half of it."""
+    rate_hz = min(channel.rate_hz for channel in envelopes)
+    if rate_hz >= _FULL_HZ * (1.0 - UNIFORM_STEPS):
+        return []
+    return [Message("made/slow-envelope", hz=rate_hz, half=rate_hz / 2.0)]
 
 
 def _derivative_step(signals: Mapping[str, FloatArray]) -> str:

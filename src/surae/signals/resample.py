@@ -5,12 +5,14 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from surae.base.errors import InputError
 from surae.base.frozen import read_only
 from surae.base.units import FloatArray
+from surae.base.words import Message
 from surae.recording import Channel
-from surae.signals.filters import ANTIALIAS_STOP, Ends, antialias
+from surae.signals.filters import ANTIALIAS_PASS, ANTIALIAS_STOP, Ends, antialias
 from surae.signals.inputs import ModelInputs
 from surae.signals.timebase import SAME_STEPS, Axis, Timing, timing
 
@@ -89,33 +91,59 @@ def _spline(x: FloatArray, y: FloatArray, at: FloatArray, where: str) -> FloatAr
 
 
 def thinned(inputs: ModelInputs, factor: int) -> ModelInputs:
-    """Every `factor`-th sample of the inputs; those that do not fill the last group are left out.
+    """The inputs at a rate that is lower by a whole `factor`, for a fit.
 
-    EMG is averaged over the samples around each kept instant, which a low-pass activation filter
-    cannot tell from the whole, and which comes neither early nor late; motion and torque are taken
-    as they are at the kept instants.
+    All signals go through the filter of `resample` (`antialias`, zero phase, order 10): what lies
+    above half of the new rate would fold back, and noise that is taken away there is information
+    that every sample brought. Instants are those of the middle of each group of samples; those that
+    do not fill a last one are left out. What has no weight does not spread: its torque is bridged
+    first, and a group with any of it is left out.
     """
-    from scipy.ndimage import correlate1d
-
-    used = inputs.n // factor * factor
-    around = np.ones(factor if factor % 2 else factor + 1)
-    if factor % 2 == 0:
-        around[[0, -1]] = 0.5
-
-    def thinned(signal: FloatArray) -> FloatArray:
-        return read_only(signal[factor // 2 : used : factor])
-
-    names = ("time", "angle", "velocity", "acceleration", "torque", "weight")
+    if factor == 1:
+        return inputs
+    names = ("angle", "velocity", "acceleration", "torque")
     given = {name: getattr(inputs, name) for name in names}
-    thin: dict[str, Any] = {name: thinned(each) for name, each in given.items() if each is not None}
+    if inputs.torque is not None and inputs.weight is not None:
+        given["torque"] = _bridged(inputs.torque, inputs.weight > 0.0)
+    present = [name for name, each in given.items() if each is not None]
+    rows = np.stack([*(given[name] for name in present), *inputs.second])
+    rate_hz = inputs.rate_hz / factor
+    chosen = slice(factor // 2, inputs.n // factor * factor, factor)
+
+    def lowered(signals: FloatArray, ends: Ends) -> FloatArray:
+        low = antialias(signals, inputs.rate_hz, rate_hz, ends=ends, where=inputs.where)
+        return low[:, chosen]
+
+    told = {"hz": inputs.rate_hz, "to": rate_hz, "edge": ANTIALIAS_PASS * rate_hz}
+    mechanical = [read_only(row.copy()) for row in lowered(rows, "odd")]
+    thin: dict[str, Any] = dict(zip(present, mechanical, strict=False))
+    emg = np.maximum(lowered(inputs.emg.T, "even").T, 0.0)
+    weight = None if inputs.weight is None else _lowest_zero(inputs.weight, factor)[chosen]
     return replace(
         inputs,
         **thin,
-        rate_hz=inputs.rate_hz / factor,
-        emg=thinned(correlate1d(inputs.emg, around / factor, axis=0, mode="nearest")),
-        second=tuple(map(thinned, inputs.second)),
-        steps=(*inputs.steps, f"Thinned to every {factor}th sample."),
+        rate_hz=rate_hz,
+        time=read_only(inputs.time[chosen]),
+        emg=read_only(emg),
+        weight=None if weight is None else read_only(weight),
+        second=tuple(mechanical[len(present) :]),
+        steps=(*inputs.steps, Message("made/decimated", **told)),
     )
+
+
+def _bridged(torque: FloatArray, counts: npt.NDArray[np.bool_]) -> FloatArray:
+    """A torque whose samples that do not count lie on lines between those that do, shape (n,)."""
+    if counts.all() or not counts.any():
+        return torque
+    at = np.arange(len(torque))
+    return np.asarray(np.interp(at, at[counts], torque[counts]))
+
+
+def _lowest_zero(weight: FloatArray, factor: int) -> FloatArray:
+    """Weights, zero where any is that is less than `factor` samples away, half on either side."""
+    from scipy.ndimage import minimum_filter1d
+
+    return np.where(minimum_filter1d(weight, factor, mode="nearest") > 0.0, weight, 0.0)
 
 
 def thinning_factor(inputs: ModelInputs, rate_hz: float, samples: int) -> int:

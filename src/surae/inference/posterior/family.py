@@ -114,6 +114,14 @@ class Family:
             )
         return self._thinned[rate_hz]
 
+    def told(self) -> tuple[ModelInputs, ...]:
+        """The recordings as they were given, with the account of what was fitted of them."""
+        pairs = zip(self.inputs, self.given(RATE_HZ), self.original.inputs, strict=True)
+        return tuple(
+            replace(whole, steps=(*whole.steps, *fitted.steps[len(same.steps) :]))
+            for whole, fitted, same in pairs
+        )
+
     def rigid(self, inputs: Sequence[ModelInputs], *, starts: int = 1, **changes: Any) -> FitResult:
         """The fit of the simplest member, from its own start and others."""
         original = self.original
