@@ -7,7 +7,8 @@ from pathlib import Path
 
 from surae.base.errors import InputError
 from surae.base.files import PathLike, natural_order, sha256_of, shown
-from surae.recording.mapping import TRIAL, Description
+from surae.recording.described import TRIAL
+from surae.recording.mapping import Description
 from surae.recording.reading import is_mapping
 from surae.recording.source import open_source
 from surae.trials import trial_files
