@@ -9,6 +9,7 @@ from pathlib import Path
 
 import h5py
 import layouts
+import layouts_more
 import numpy as np
 import program_files as files
 
@@ -295,19 +296,23 @@ SEEDS: dict[str, tuple[Callable[[], bytes], ...]] = {
         lambda: first_lines(layouts.rostopic()),
         lambda: first_lines(layouts.trials()),
     ),
+    "spike2-text": (lambda: layouts_more.spike2(60).encode(),),
     "discover": (lambda: layouts.discover(slow=2, n=60).encode(),),
     "text-exports": (
         lambda: layouts.acqknowledge(60).encode(),
+        lambda: layouts_more.acqknowledge_in_minutes(60).encode(),
         lambda: layouts.qualisys(60).encode(),
         lambda: layouts.anc(60).encode(),
     ),
     "text-uncounted": (
         lambda: layouts.labchart(60).encode(),
         lambda: layouts.opensignals(60).encode(),
+        lambda: layouts_more.opensignals_two(60).encode(),
     ),
     "opensim": (sto_file,),
     "trigno": (trigno_file,),
     "hdf5": (hdf5_file,),
+    "hdf5-plain": (lambda: layouts_more.grouped((0.0, 0.5)), layouts_more.nwb),
     "matlab73": (mat73_file,),
     "matlab5": (mat5_file, lambda: mat5_file(compressed=True)),
     "c3d": (c3d_file, integer_c3d, lambda: integer_c3d(85, floats=True)),
@@ -332,7 +337,7 @@ SEEDS: dict[str, tuple[Callable[[], bytes], ...]] = {
 }
 TEXT = (
     *("delimited", "opensim", "trigno", "vicon", "lvm"),
-    *("layouts", "discover", "text-exports", "text-uncounted"),
+    *("layouts", "spike2-text", "discover", "text-exports", "text-uncounted"),
 )
 
 WORDS = (

@@ -346,7 +346,7 @@ def test_what_is_in_the_file_is_not_called_a_missing_file(file):
     assert "'Kanal 1 (V)'" in said
     assert "add its file" not in said
     alone = file(made.timed(names=THEIRS[2:], data=EMG), "emg.csv")
-    assert "angle is missing" in " ".join(inspect(alone).advice)
+    assert "angle and torque are missing" in " ".join(inspect(alone).advice)
 
 
 def test_portuguese_names_are_found(file):

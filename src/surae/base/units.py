@@ -41,6 +41,9 @@ FACTORS: dict[str, dict[str, float]] = {
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0},
 }
 
+#: Units of clocks alone, which a mapping may say and no name does: days of Excel, .NET's ticks.
+_OF_CLOCKS = {"d": 86400.0, "100ns": 1e-7}
+
 _KNOWN_HERE = tomllib.loads(files("surae.base").joinpath("units.toml").read_text(encoding="utf-8"))
 #: How else files spell units, in small letters, and what is a unit of a kind alone.
 _SPELLINGS, _KINDS_ALONE = (
@@ -92,6 +95,16 @@ def spelled(text: str) -> str | None:
         if (known := _KNOWN.get(_SPELLINGS.get(each, each).casefold())) is not None:
             return known
     return None
+
+
+def clock_units() -> dict[str, float]:
+    """Units in which clocks count, and what each is in seconds."""
+    return FACTORS["time"] | _OF_CLOCKS
+
+
+def clock_seconds(unit: str) -> float | None:
+    """What a clock's unit is in seconds; None where it is none that is known."""
+    return clock_units().get(spelled(unit) or unit.strip())
 
 
 @dataclass(frozen=True, slots=True)

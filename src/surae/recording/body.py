@@ -83,6 +83,8 @@ def _without_end(source: Source, head: TableHeading) -> tuple[Source, str]:
     alone = below == [len(texts) - 1] and not tail.endswith((b"\n", b"\r"))
     if alone and _is_part(texts[-1], head):
         return cut, f"row {row} is incomplete and left out: the file was cut short"
+    if not any(text.strip(f' "{head.delimiter or ""}') for text in (texts[k] for k in below)):
+        return cut, f"from row {row} on all cells are blank"
     shown = some([texts[k].strip() for k in reversed(below)], 2)
     return cut, f"from row {row} on no numbers: {shown} is not read"
 

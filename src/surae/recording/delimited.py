@@ -23,13 +23,16 @@ from surae.recording.table import Clock, Column, Table, instants
 from surae.recording.times import (
     LOOKED_AT,
     counted,
+    is_part_of_movement,
     rises_in_percent,
     seconds,
     time_by_shape,
     time_column,
-    unit_in_name,
+    unit_since_epoch,
 )
 
+#: Tables of BIDS without a heading.
+_BIDS = ("_motion.tsv", "_physio.tsv")
 #: Where numbers begin, so many bytes show how they are written.
 _LOOKED_AT = 2**20
 _CELL = rb"(?:^|[;\t])[ \"]*[+-]?\d*%s\d+(?:[eE][+-]?\d+)?[ \"]*(?=[;\t\r\n]|$)"
@@ -49,6 +52,8 @@ def open_table(source: Source, clock: Clock | None = None) -> Table:
         raise InputError(
             f"{where}: numbers where the names of the columns belong; the first line that is no "
             "comment must name them (time_s, angle_rad, ...)"
+            + " (BIDS keeps them in channels.tsv)"
+            * source.path.endswith(_BIDS)
         )
     body = body_of(source, head)
     names = _named(body.source, head)
@@ -174,7 +179,7 @@ def _by_shape(rows: Rows, where: str) -> Clock | None:
     """The column that is the time by its shape; a movement in percent is refused."""
     columns = _first_numbers(rows)
     for name, values in columns.items():
-        in_percent = "%" in unit_in_name(name) or "%" in name or "percent" in name.casefold()
+        in_percent = "%" in name or "percent" in name.casefold() or is_part_of_movement(name)
         if in_percent and rises_in_percent(values):
             seconds("%", name, where)
     # A ramp of the angle rises evenly too.
@@ -188,6 +193,9 @@ def _by_shape(rows: Rows, where: str) -> Clock | None:
 def _plausible(rows: Rows, clock: Clock) -> tuple[Clock, str]:
     """The clock in the unit that makes its rate one of a laboratory, where seconds do not."""
     values = _first_numbers(rows).get(clock.column, np.empty(0))
+    if (since := unit_since_epoch(values)) not in ("", "s"):
+        said = f"{clock.column!r} is taken as {since}: it is the time of day and year in that unit"
+        return replace(clock, unit=since), said
     found = time_by_shape({clock.column: values})
     if found is None or found.unit == "s":
         return clock, ""

@@ -15,12 +15,14 @@ from surae.base.files import shown
 from surae.base.frozen import FrozenDict
 from surae.base.packed import brief
 from surae.base.setting import setting
-from surae.base.units import FACTORS, spelled
+from surae.base.units import clock_seconds, clock_units
 from surae.recording.recording import MUSCLES, ROLES, weight_of
 
 #: Longest gap that a straight line may fill [s]: what passes the filter of an envelope (2.7 Hz)
 #: unseen, and is no part of a movement.
 LONGEST_BRIDGE_S = 0.05
+#: What stands for the trial's name in the name of a file.
+TRIAL = "{trial}"
 #: Of a trial in a file: every one, each a recording of its own.
 EACH = "*"
 #: More a clock is not wrong by [millionths]: it is another rate.
@@ -39,14 +41,16 @@ class MappedTime:
     """A column of times and the unit that it is in."""
 
     column: str = setting("", "Its name in the file.")
-    unit: str | None = setting(None, "s, ms, us, ns, min or h, where the file does not state it.")
+    unit: str | None = setting(
+        None, "s, ms, us, ns, min, h, d (days) or 100ns, where the file does not state it."
+    )
 
     def __post_init__(self) -> None:
         """Refuse what is no column, or no unit of time."""
         if not self.column:
             raise InputError("time: column is missing")
-        if self.unit is not None and spelled(self.unit) not in FACTORS["time"]:
-            known = ", ".join(FACTORS["time"])
+        if self.unit is not None and clock_seconds(self.unit) is None:
+            known = ", ".join(clock_units())
             raise InputError(f"time: unit {self.unit!r} is not known; use one of: {known}")
 
 

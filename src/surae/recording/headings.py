@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 from surae.base.errors import InputError
 from surae.base.formatting import check_known
-from surae.base.units import spelled
+from surae.base.units import FACTORS, spelled
 from surae.recording.recording import EMG_KINDS
 from surae.recording.rows import is_clock, split
 from surae.recording.source import Source
@@ -26,8 +26,18 @@ _SHOW = 3
 _MOST_ROWS = 4
 #: A sampling rate in a line above the names.
 _RATE = re.compile(
-    r"(?:(?P<word>sampl\w*|abtast\w*|bemonster\w*)|\brate|frequen\w*|fr[eé]quen\w*|frecuencia|freq"
-    r"|cz[eę]stotliwo\w*)[^\d\n]{0,40}?(?P<rate>\d+(?:[.,]\d+)?)\s*(?P<unit>k?hz|)\b",
+    r"(?:(?P<word>sampl\w*[\s_-]*(?:rate|freq\w*|per second)|abtast(?:rate|freq\w*)"
+    r"|bemonsteringsfreq\w*)"
+    r"|sampl\w*|abtast\w*|\brate|frequen\w*|fr[eé]quen\w*|frecuencia|freq|cz[eę]stotliwo\w*)"
+    r"(?:[^\d\n]{0,20}?[(\[](?P<before>k?hz)[)\]])?"
+    r"[^\d\n]{0,40}?(?P<rate>\d+(?:[.,]\d+)?)\s*(?P<unit>k?hz|samples/s(?:ec)?|)\b",
+    re.IGNORECASE,
+)
+#: Or the time from one sample to the next.
+_INTERVAL = re.compile(
+    r"(?:interval\w*|period\w*|abtastzeit|sampling time|\bdt\b|time step)"
+    r"(?:[^\d\n]{0,20}?[(\[](?P<before>[^()\[\]\d]{1,12})[)\]])?"
+    r"[^\d\n]{0,40}?(?P<step>\d+(?:[.,]\d+)?(?:[eE][+-]?\d+)?)\s*(?P<unit>[^\W\d]{1,12}|)",
     re.IGNORECASE,
 )
 
@@ -231,13 +241,22 @@ def _with_rate(source: Source, header: TableHeading) -> TableHeading:
     for line in itertools.islice(source.lines(), header.row - 1):
         if unit := _UNIT.match(line.strip()):
             header = replace(header, unit=unit[1])
-        match = _RATE.search(line)
-        if match and (match["word"] or match["unit"]):
-            factor = 1e3 if match["unit"].lower() == "khz" else 1.0
-            rate = float(match["rate"].replace(",", ".")) * factor
-            if 0.0 < rate < 1e7:
-                header = replace(header, rate_hz=header.rate_hz or rate)
+        if 0.0 < (rate := _rate_in(line)) < 1e7:
+            header = replace(header, rate_hz=header.rate_hz or rate)
     return header
+
+
+def _rate_in(line: str) -> float:
+    """The sampling rate that a line states, itself or by its interval [Hz]; 0 where it does not."""
+    if (match := _INTERVAL.search(line)) is not None:
+        factor = FACTORS["time"].get(spelled(match["unit"] or match["before"] or "") or "", 0.0)
+        step = float(match["step"].replace(",", ".")) * factor
+        return 1.0 / step if step > 0.0 else 0.0
+    match = _RATE.search(line)
+    if match is None or not (match["word"] or match["unit"] or match["before"]):
+        return 0.0
+    kilo = (match["unit"] or match["before"] or "").lower() == "khz"
+    return float(match["rate"].replace(",", ".")) * (1e3 if kilo else 1.0)
 
 
 def _note(key: str, text: str, where: str) -> str:

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator, Mapping
 
+import numpy as np
+
 from surae.base.files import shown
 from surae.base.formatting import listed
 from surae.recording.inspected_channels import InspectedChannel, Inspection
@@ -10,6 +12,9 @@ from surae.recording.source import open_source
 from surae.recording.table import Clock, some
 from surae.recording.trials import TrialsInFile
 from surae.recording.unknown import export_of
+
+#: What is remarked of a column that does.
+COUNTS = "counts the samples"
 
 
 def not_one(trials: Mapping[str, TrialsInFile], clocks: Mapping[str, Clock]) -> Iterator[str]:
@@ -38,6 +43,22 @@ def no_shared_span(roles: Mapping[str, InspectedChannel]) -> Iterator[str]:
         )
 
 
+def other_starts(began: Mapping[str, str], roles: Mapping[str, InspectedChannel]) -> Iterator[str]:
+    """That files whose channels are used began at other instants, as they say."""
+    used = dict.fromkeys(channel.file for channel in roles.values())
+    stated = {path: np.datetime64(began[path]) for path in used if began.get(path)}
+    if len(stated) < 2 or len(set(stated.values())) < 2:
+        return
+    first = min(stated, key=lambda path: stated[path])
+    last = max(stated, key=lambda path: stated[path])
+    late = float((stated[last] - stated[first]) / np.timedelta64(1, "us")) * 1e-6
+    yield (
+        f"{shown(last)} says that it began {late:.6g} s after {shown(first)}, and each is read "
+        f"from its own 0 s: if both clocks are right, start_s = {late:.6g} in each channel of the "
+        "later one says so"
+    )
+
+
 def missing_signals(inspection: Inspection) -> Iterator[str]:
     """That angle or torque is missing; first what could be them."""
     why = {
@@ -48,6 +69,16 @@ def missing_signals(inspection: Inspection) -> Iterator[str]:
     used |= {id(c) for several in inspection.open.values() for c in several}
     rest = [c for c in inspection.channels if id(c) not in used and could_be(c)]
     missing = [role for role in why if role in inspection.missing]
+    if (
+        len(missing) == len(why)
+        and not rest
+        and any(r.startswith("emg_") for r in inspection.roles)
+    ):
+        yield (
+            "angle and torque are missing: as a recording of maximum contractions EMG is enough "
+            "(surae fit TRIAL --normalise mvc --mvc FILE); for a fit add the file that has them"
+        )
+        return
     if missing and rest:
         reasons = [f"{c.column!r}{_because(c)}" for c in rest[:6]]
         more = f" and {len(rest) - 6} more" if len(rest) > 6 else ""
@@ -62,10 +93,17 @@ def missing_signals(inspection: Inspection) -> Iterator[str]:
             yield f"{role} is missing: {why[role]}; add its file"
 
 
+def if_among(inspection: Inspection) -> str:
+    """Which channels without a role may be an EMG by their look or unit; empty where none may."""
+    volts = [c.column for c in inspection.channels if could_be(c) and unit_is_volts(c.unit)]
+    return f"; if one of them is among {some(volts, 4)}, name it in the mapping" if volts else ""
+
+
 def could_be(channel: InspectedChannel) -> bool:
     """Whether a channel that has no role may be an angle or a torque."""
-    no = ("not the ankle", "counts the samples", "force plate")
-    return channel.guess is None and channel.alive and not any(t in channel.remark for t in no)
+    no = ("not the ankle", COUNTS, "force plate")
+    free = channel.guess is None and channel.alive and channel.usable
+    return free and not any(text in channel.remark for text in no)
 
 
 def _because(channel: InspectedChannel) -> str:

@@ -8,11 +8,11 @@ from pathlib import Path
 
 from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
-from surae.recording.described import toml_value
+from surae.recording.described import TRIAL, toml_value
 from surae.recording.formats import trial_names
 from surae.recording.inspected_channels import Inspection
 from surae.recording.inspection import inspect
-from surae.recording.mapping import TRIAL, Description
+from surae.recording.mapping import Description
 from surae.recording.mapping_text import mapping_text
 from surae.recording.source import open_source
 from surae.recording.table import some

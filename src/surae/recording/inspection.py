@@ -5,27 +5,29 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Literal
 
-import numpy as np
-
 from surae.base.errors import InputError
 from surae.base.files import PathLike, paths_of, shown
 from surae.base.formatting import check_known
 from surae.base.frozen import FrozenDict
-from surae.base.units import FloatArray
 from surae.base.words import N_
-from surae.recording.channels import Scaling, gaps_of, stated_unit, written_unit
+from surae.recording.channels import Scaling, written_unit
 from surae.recording.channels import channel as read_channel
-from surae.recording.described import LONGEST_BRIDGE_S
-from surae.recording.emg_kind import contradiction, look_of, relation
+from surae.recording.emg_kind import contradiction, relation
 from surae.recording.formats import open_table
-from surae.recording.inspected_advice import missing_signals, no_shared_span, not_one
+from surae.recording.inspected_advice import (
+    if_among,
+    missing_signals,
+    no_shared_span,
+    not_one,
+    other_starts,
+)
+from surae.recording.inspected_channel_of import described_channel
 from surae.recording.inspected_channels import InspectedChannel, Inspection
 from surae.recording.inspected_file import arranged
 from surae.recording.reading import is_mapping
-from surae.recording.recording import FILM_ROLES, ROLES, Recording
+from surae.recording.recording import ROLES, Recording
 from surae.recording.roles import (
     CONFIDENCES,
-    Guess,
     Side,
     guess_role,
     is_plate_moment,
@@ -34,17 +36,14 @@ from surae.recording.roles import (
     unit_kind,
 )
 from surae.recording.source import open_source
-from surae.recording.table import Column, Sampling, Table, sampling_of, some
+from surae.recording.table import Column, Table, some
+from surae.recording.times import on_one_clock
 from surae.recording.trials import trials_in
 from surae.recording.unknown import not_understood
 
 _SIDES = ("left", "right")
 #: What a channel's source says where only its column's name tells what it is.
 BY_NAME = "taken for what its column's name and unit say, its sign as in the file"
-#: A dead input takes so many of its converter's steps at most; so many samples show them.
-_DEAD = 3.0
-_LOOKED_AT = 5000
-_FEW = 100
 #: What differs between rules of the same kind.
 _NUMBER = re.compile(r"\d+")
 
@@ -81,10 +80,10 @@ def inspect(paths: PathLike | Sequence[PathLike], *, side: str | None = None) ->
         raise InputError("there is no file to inspect")
     opened = {path: arranged(_opened(path)) for path in every}
     tables = {path: each.table for path, each in opened.items()}
-    columns = {path: each.columns for path, each in opened.items()}
+    columns = _by_clock({path: each.columns for path, each in opened.items()})
     channels = _of_their_joint(
         [
-            _described(path, tables[path], name, columns[path][name])
+            described_channel(path, tables[path], name, columns[path][name])
             for path in every
             for name in dict.fromkeys(tables[path].names)
         ]
@@ -113,7 +112,25 @@ def inspect(paths: PathLike | Sequence[PathLike], *, side: str | None = None) ->
         clocks=FrozenDict((path, one.clock) for path, one in opened.items() if one.clock),
         trials=FrozenDict((path, one.trials) for path, one in opened.items() if one.trials),
     )
-    return replace(inspection, advice=tuple(_advice(inspection)))
+    began = {path: table.began for path, table in tables.items()}
+    return replace(inspection, advice=(*_advice(inspection), *other_starts(began, roles)))
+
+
+def _by_clock(
+    columns: Mapping[str, Mapping[str, Column | InputError]],
+) -> dict[str, dict[str, Column | InputError]]:
+    """The columns of several files, on one clock where their times are times of day."""
+    flat = {
+        (path, name): column
+        for path, each in columns.items()
+        for name, column in each.items()
+        if isinstance(column, Column)
+    }
+    shared = on_one_clock(flat)
+    return {
+        path: {name: shared.get((path, name), column) for name, column in each.items()}
+        for path, each in columns.items()
+    }
 
 
 def recording_by_names(path: PathLike) -> Recording | None:
@@ -175,90 +192,6 @@ def _opened(path: PathLike) -> Table:
     raise InputError(not_understood(source, table))
 
 
-def _guess_of(table: Table, name: str, unit: str | None) -> Guess | None:
-    """The role of a column by its name, or by what its file says of it beside."""
-    guess = guess_role(name, unit)
-    vague = guess is None or guess.role is None or guess.confidence == "possible"
-    if vague and (told := table.descriptions.get(name)):
-        by_it = guess_role(told, unit)
-        if by_it is not None and (guess is None or by_it.role is not None):
-            return replace(by_it, rule=f"{by_it.rule}, in its description {told!r}")
-    return guess
-
-
-def _described(path: str, table: Table, name: str, column: Column | InputError) -> InspectedChannel:
-    """One channel of a file, with its samples where they can be read."""
-    count = table.names.count(name)
-    usable = count == 1
-    unit = written_unit(table, name)
-    remarks = [
-        table.remarks.get(name, "") if usable else f"{count} columns have this name: rename one"
-    ]
-    guess = _guess_of(table, name, unit)
-    if isinstance(column, InputError):
-        reason = str(column).removeprefix(f"{table.file}: ").removeprefix(f"column {name!r}: ")
-        remark = "; ".join(filter(None, (reason, *remarks)))
-        return InspectedChannel(path, name, unit, guess=guess, remark=remark, usable=False)
-    role = guess.roles[0] if guess else None
-    finite = column.values[np.isfinite(column.values)]
-    bridge_s = 0.0
-    if wrong := len(column.values) - len(finite):
-        first = int(np.argmin(np.isfinite(column.values)))
-        why = column.reason(first) if column.reason else ""
-        why = why or f"{column.values[first]} is not a finite number"
-        if role in FILM_ROLES:  # whose tracker may have lost frames
-            remarks.insert(0, f"{wrong} samples are no finite numbers")
-        else:
-            usable = False
-            gaps = gaps_of(column.time, column.values)
-            what = f"{wrong} of {len(column.values)} samples" if gaps is None else gaps.text
-            remarks.insert(0, f"{column.position(first)}: {why} ({what})")
-            wordless = "write" not in why  # else it is a number, written otherwise
-            if gaps and gaps.longest_s <= LONGEST_BRIDGE_S and column.time_name and wordless:
-                bridge_s = gaps.bridge_s
-    remarks.append(column.remark)
-    sampling = Sampling(len(column.time))
-    if column.time_name:
-        sampling = sampling_of(column.time)
-    else:
-        frames = table.offered
-        counts = f": column {frames.column!r} counts the samples" if frames else ""
-        remarks.insert(0, f"no times{counts}: give start_s and rate_hz")
-    if role is not None:  # a file may state one unit for all signals of a kind
-        unit = written_unit(table, name, role)
-    emg = role is not None and role.startswith("emg_")
-    known = None if role is None else stated_unit(table, role, name)
-    settled = known is not None and not known.per_kg
-    known_unit, scale = (known.unit, known.scale) if known is not None and settled else (None, 1.0)
-    look = look_of(column.time, column.values) if emg else None
-    if look is not None and not column.time_name:  # how fast it changes is not known
-        look = replace(look, rule="positive and negative") if look.kind == "raw" else None
-    alive = role in ("angle", "torque") or len(finite) < _FEW or _is_alive(finite)
-    if not alive:
-        remarks.insert(0, "it never changes by more than its own steps: not connected?")
-    end_s = None if sampling.start_s is None else float(column.time[-1])
-    low, high = (float(finite.min()), float(finite.max())) if len(finite) else (None, None)
-    return InspectedChannel(
-        path,
-        name,
-        unit,
-        known_unit,
-        scale,
-        sampling.n,
-        sampling.rate_hz,
-        sampling.start_s,
-        end_s,
-        low,
-        high,
-        guess,
-        look,
-        "; ".join(filter(None, remarks)),
-        usable and sampling.n > 1,
-        bridge_s,
-        alive,
-    )
-
-
 def _of_their_joint(channels: Sequence[InspectedChannel]) -> list[InspectedChannel]:
     """Channels with no joint in their names are only possibly the ankle's beside a knee's muscles.
 
@@ -282,14 +215,6 @@ def _of_their_joint(channels: Sequence[InspectedChannel]) -> list[InspectedChann
             changed["guess"] = replace(guess, confidence="possible", rule=rule)
         judged.append(replace(channel, **changed))
     return judged
-
-
-def _is_alive(values: FloatArray) -> bool:
-    """Whether a signal is more than the steps of a converter to which nothing is connected."""
-    low = float(values.min())
-    high = float(values.max())
-    levels = np.unique(values[:: max(len(values) // _LOOKED_AT, 1)])
-    return low < high and (len(levels) < 2 or high - low > _DEAD * float(np.diff(levels).min()))
 
 
 def _plain_candidates(
@@ -378,7 +303,7 @@ def _advice(inspection: Inspection) -> Iterator[str]:
     if silent := [role for role in inspection.missing if role.startswith("emg_")]:
         yield (
             f"no channel of {', '.join(silent)}: the mapping fixes their weights at 0, which is "
-            "right only while these muscles are silent"
+            "right only while these muscles are silent" + if_among(inspection)
         )
     if unknown := _units_unknown(inspection.roles):
         yield f"{unknown}: see the mapping"

@@ -6,47 +6,37 @@ What it may say is written in `surae.recording.described`.
 """
 
 import datetime
-import difflib
 import glob
 import re
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from surae.base.cleaning import cleaned
 from surae.base.errors import InputError, within
 from surae.base.files import PathLike, shown
-from surae.base.frozen import as_read_only, freeze
 from surae.base.packed import brief
 from surae.base.records import from_plain, parse_toml
-from surae.base.units import to_si
-from surae.recording.channels import Scaling, channel, settle_unit
 from surae.recording.corrections import Corrections
-from surae.recording.described import MappedChannel, MappedRecording, MappedTime, MappedTrial
+from surae.recording.described import TRIAL, MappedRecording, MappedTrial
 from surae.recording.formats import open_table
-from surae.recording.recording import ROLES, Channel, Recording
+from surae.recording.mapped_reader import MappedReader, column_of
+from surae.recording.recording import ROLES, Recording
 from surae.recording.source import Source, open_source
-from surae.recording.table import Column, Table, fallbacks, instants, some
+from surae.recording.table import some
 from surae.recording.times import timed_by
-from surae.recording.trials import chosen_trials, one_trial
+from surae.recording.trials import chosen_trials
 
 #: What a mapping has and nothing else: a channel.
-_CHANNELS = re.compile(r"""^\s*(?:\[\s*['"]?channels['"]?\s*[.\]]|channels\s*[.=])""", re.MULTILINE)
+_CHANNELS = re.compile(
+    r"""^\s*(?:\[\s*['"]?channels['"]?\s*[.\]]|channels\s*(?:\.|=\s*\{))""", re.MULTILINE
+)
 #: How the first line of a TOML file begins: a table, or a key with its equals sign.
 _FIRST = re.compile(r"\s*(\[|(?!(?i:sep)=.\s*$)[\w.\"' -]+=)")
-#: What stands for the trial's name in the name of a file.
-TRIAL = "{trial}"
 #: What a line of [trials] may say of one trial, beside what differs in its channels.
 _OF_A_TRIAL = {f.name for f in fields(MappedRecording)} - {"channels", "trials"}
-#: What gives a zero may change, from one part of so long [s] to another, by this part of the
-#: signal's own range, or by what a sensor's noise and a leg at rest bring: 1° and 1 Nm in SI.
-_PART = 0.1
-_QUIET = 0.05
-_REST = {"angle": 0.0175, "torque": 1.0}
 
 
 def recognises(source: Source) -> bool:
@@ -210,7 +200,7 @@ class Description:
         own = mapped.time
         table = open_table(open_source(path), timed=False)
         if own is not None and chosen.inside is None:
-            table = timed_by(table, *_column_of(own), self.source.shown)
+            table = timed_by(table, *column_of(own), self.source.shown)
         found = chosen_trials(table, chosen, self.source.shown)
         return dict(zip(found.names, found.choices, strict=True))
 
@@ -240,7 +230,7 @@ class Description:
                 f"{self.source.shown}: channels.angle is missing; every recording needs the angle, "
                 "but one of maximum contractions"
             )
-        reader = _Reader(
+        reader = MappedReader(
             self.source, folder, filed, None if data is None else Path(data), mapped.time, chosen
         )
         channels = reader.channels(mapped.channels)
@@ -257,202 +247,3 @@ class Description:
             mapped.device,
         )
         return Corrections(swap=mapped.swap)(recording)
-
-
-@dataclass(frozen=True, slots=True)
-class _Reader:
-    """Reads the files of one recording, each once."""
-
-    source: Source  #: The mapping.
-    folder: Path  #: What its names of files are relative to.
-    #: `trial`, `data`: the trial's name and data file, for a mapping of many.
-    trial: str | None
-    data: Path | None
-    time: str | MappedTime | None = None  #: The column of times of all channels.
-    chosen: MappedTrial | None = None  #: Which trial of a file is read.
-    opened: dict[Path, tuple[Source, Table]] = field(default_factory=dict)  #: What has been read.
-
-    def channels(self, described: Mapping[str, MappedChannel]) -> dict[str, Channel]:
-        """The channels that are described, in SI units."""
-        tables = self._tables(described)
-        for role, own in described.items():
-            table = tables[role]
-            if own.time is not None:
-                tables[role] = timed_by(table, *_column_of(own.time), self._at(role))
-        columns = self._loaded(described, tables)
-        channels: dict[str, Channel] = {}
-        for role, own in described.items():
-            table = tables[role]
-            unit = settle_unit(table, role, own.column, own.unit, self._at(role))
-            column = _timed(own, columns[role], table, self._at(role))
-            if own.wrap is not None:
-                column = replace(column, values=freeze(np.unwrap(column.values, period=own.wrap)))
-            offset = own.offset
-            note = ""
-            if own.zero is not None:
-                offset, note = self._zero(role, own, own.zero, column, unit)
-            scaling = Scaling(unit, own.sign, own.scale, offset, note, own.bridge_s)
-            channels[role] = channel(role, column, scaling, table)
-        return channels
-
-    def _loaded(
-        self, described: Mapping[str, MappedChannel], tables: Mapping[str, Table]
-    ) -> dict[str, Column]:
-        """The columns that are wanted, those of one table read together."""
-        roles_of: dict[int, list[str]] = {}
-        for role, table in tables.items():
-            roles_of.setdefault(id(table), []).append(role)
-        loaded: dict[str, Column] = {}
-        for roles in roles_of.values():
-            names = list(dict.fromkeys(described[role].column for role in roles))
-            columns = tables[roles[0]].load(names)
-            loaded |= {role: columns[described[role].column] for role in roles}
-        return loaded
-
-    def _at(self, role: str) -> str:
-        """Where the mapping describes a channel, for messages."""
-        return f"{self.source.shown}: channels.{role}"
-
-    def _tables(self, described: Mapping[str, MappedChannel]) -> dict[str, Table]:
-        """The table of every channel's file."""
-        named = {own.file for own in described.values()}
-        # A description of one file, given for another: it is the layout that is meant.
-        layout = self.data is not None and len(named) == 1 and TRIAL not in str(named)
-        tables = {}
-        for role, own in described.items():
-            where = self._at(role)
-            if not own.column:
-                raise InputError(f"{where}: column is missing")
-            if self.data is not None and (layout or own.file is None):
-                path = self.data
-            elif own.file is None or (self.trial is None and TRIAL in own.file):
-                lacks = "file is missing" if own.file is None else f"file is {own.file!r}"
-                raise InputError(
-                    f"{where}: {lacks}: name the file, or give this mapping of many files by "
-                    "--mapping, with the files"
-                )
-            elif self.trial is not None and TRIAL not in own.file:
-                raise InputError(
-                    f"{where}: file {own.file!r} is one and the same for all trials; write it with "
-                    '"{trial}", or leave `file` out'
-                )
-            else:
-                path = self.folder / self._named(own.file)
-            tables[role] = self._table(path, own, where)
-        return tables
-
-    def _named(self, file: str) -> str:
-        return file if self.trial is None else file.replace(TRIAL, self.trial)
-
-    def _arranged(self, table: Table, quiet: bool) -> Table:
-        """A file's table with the trial and the time that the mapping says, of all its channels.
-
-        A quiet trial that gives a zero is a file of its own, and no part of one.
-        """
-        chosen = None if quiet else self.chosen
-        if chosen is not None and chosen.inside is not None:
-            table = one_trial(table, chosen, self.source.shown)
-        if self.time is not None:
-            column, unit = _column_of(self.time)
-            # Of several files one may have its own times.
-            if column in (*table.names, table.time_name) or not table.time_name:
-                table = timed_by(table, column, unit, self.source.shown)
-        if chosen is not None and chosen.inside is None:
-            table = one_trial(table, chosen, self.source.shown)
-        return table
-
-    def _table(self, path: Path, own: MappedChannel, where: str, *, quiet: bool = False) -> Table:
-        """A data file's table that has the channel's column; errors say where it is named."""
-        if path not in self.opened:
-            with within(where):
-                source = open_source(path)
-                table = open_table(source, timed=False)
-            self.opened[path] = source, self._arranged(table, quiet)
-        table = self.opened[path][1]
-        count = table.names.count(own.column)
-        if count > 1:
-            raise InputError(
-                f"{where}: {table.file} has {count} columns {some([own.column])}; rename one"
-            )
-        if count == 0:
-            near = difflib.get_close_matches(own.column, table.names, n=3, cutoff=0.5)
-            has = f"did you mean {some(near)}?" if near else f"it has: {some(table.names)}"
-            raise InputError(f"{where}: {table.file} has no column {some([own.column])}; {has}")
-        return table
-
-    def _zero(
-        self,
-        role: str,
-        own: MappedChannel,
-        zero: str | tuple[float, float],
-        column: Column,
-        unit: str,
-    ) -> tuple[float, str]:
-        """The offset that takes a quiet trial or stretch to zero, and what to say of it."""
-        where = f"{self._at(role)}: zero"
-        if isinstance(zero, str):
-            path = self.folder / self._named(zero)
-            if not path.exists():
-                path = Path(self.source.path).parent / self._named(zero)
-            quiet = self._table(path, own, where, quiet=True).load([own.column])[own.column]
-            time = quiet.time
-            values = quiet.values
-            origin = shown(path.name)
-        else:
-            start, end = zero
-            inside = (column.time >= start) & (column.time <= end)
-            time = column.time[inside]
-            values = column.values[inside]
-            origin = f"{start:g} to {end:g} s"
-        if len(values) < 2 or not np.isfinite(values).all():
-            raise InputError(f"{where}: {origin} holds no finite samples of {own.column!r}")
-        if role in _REST:
-            parts = min(max(round(float(time[-1] - time[0]) / _PART), 2), len(values))
-            means = [float(part.mean()) for part in np.array_split(values, parts)]
-            change = max(means) - min(means)
-            factor = abs(own.scale) * to_si(role, unit, "")
-            range_ = float(np.ptp(column.values[np.isfinite(column.values)]))
-            if change > _QUIET * range_ and factor * change > _REST[role]:
-                raise InputError(
-                    f"{where}: {own.column!r} is not quiet in {origin}: it changes by "
-                    f"{abs(own.scale) * change:.3g} {unit}; name a trial or a stretch in which "
-                    "nothing happens"
-                )
-        mean = own.scale * float(values.mean())
-        return -mean, f"zero {mean:.4g} ± {abs(own.scale) * float(values.std()):.2g} of {origin}"
-
-
-def _column_of(time: str | MappedTime) -> tuple[str, str | None]:
-    """The column of times that a mapping says, and its unit."""
-    return (time, None) if isinstance(time, str) else (time.column, time.unit)
-
-
-def _timed(own: MappedChannel, column: Column, table: Table, where: str) -> Column:
-    """A channel's column, with the times of its own clock where it has one."""
-    if own.rate_hz is not None:
-        if column.time_name and (n := len(fallbacks(column.time))):
-            raise InputError(
-                f"{where}: {table.file} holds {n + 1} trials, whose times fall back: rate_hz would "
-                "join them; say which with trial = { column = … } or { index = … }, at the top"
-            )
-        even = instants(own.start_s or 0.0, own.rate_hz, len(column.time))
-        return _clocked(replace(column, time=even), own)
-    if not column.time_name:
-        raise InputError(
-            f"{where}: {table.file} has no times of {own.column!r}: give start_s, when the "
-            "recording's clock shows its first sample, and rate_hz, its samples a second"
-        )
-    if own.start_s is not None and len(column.time):
-        column = replace(column, time=as_read_only(column.time - column.time[0] + own.start_s))
-    return _clocked(column, own)
-
-
-def _clocked(column: Column, own: MappedChannel) -> Column:
-    """A column whose clock is slow or fast, in true time; a first instant that is given is true."""
-    if not own.clock_ppm or not len(column.time):
-        return column
-    true = 0.0 if own.start_s is None else own.start_s
-    time = true + (column.time - true) / (1.0 + 1e-6 * own.clock_ppm)
-    said = f"clock {own.clock_ppm:g} ppm {'fast' if own.clock_ppm > 0 else 'slow'}, corrected"
-    remark = "; ".join(filter(None, (column.remark, said)))
-    return replace(column, time=as_read_only(time), remark=remark)

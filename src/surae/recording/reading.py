@@ -320,10 +320,13 @@ def _where(table: Table, name: str) -> str:
 def _no_angle(table: Table) -> str:
     """Why a table without a column of ours for the angle is refused."""
     if table.header is not None and table.time_name in TIMES:
+        emg = [name for name in table.names if NAMES.get(plain(name), ("",))[0].startswith("emg_")]
         return (
             f"{table.file}: row {table.header}: missing column angle_rad (or angle_deg); columns "
             f"found: {some((table.time_name, *table.names))}; rename them, or describe the file "
             "in a TOML mapping, which `surae inspect` begins"
+            + "; EMG alone is a recording of maximum contractions: give it by --mvc"
+            * bool(emg)
         )
     remarks = {table.remarks.get(name, "") for name in table.names}
     alike = "".join(remarks) if len(remarks) == 1 else ""  # what is remarked of all columns

@@ -141,6 +141,7 @@ _COMPOUND = re.compile(
 )
 #: A unit that a heading ends with: "Angle (deg)", "Moment [N.m]", "TA,uV"; "ankle_angle_deg".
 _BRACKETED = re.compile(r".*\S\s*(?:\(\s*([^()]+?)\s*\)|\[\s*([^\[\]]+?)\s*\]|,\s*([^\s,]+))")
+_COLON = re.compile(r".*\S\s*:\s*([^\s:]+)")
 _SUFFIXED = re.compile(
     r".*[^\W_][_ ](deg|rad|mm|cm|Nm|mNm|Nmm|[mu\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}]V)"
 )
@@ -291,7 +292,8 @@ def heading_unit(name: str) -> str | None:
     Only what is a unit of the signals that are read here counts: "EMG (left)" states none, nor
     does "EMG (1)", which numbers its sensor.
     """
-    match = _BRACKETED.fullmatch(name.strip()) or _SUFFIXED.fullmatch(name.strip())
+    text = name.strip()
+    match = _BRACKETED.fullmatch(text) or _SUFFIXED.fullmatch(text) or _COLON.fullmatch(text)
     if match is None:
         return None
     unit = next(text for text in match.groups() if text is not None)

@@ -27,6 +27,8 @@ _CLOCK = re.compile(
 _LARGE = 2**23
 _BLOCK = 2**24
 _HALF_A_DAY = 43200.0
+#: Times [s] so large are counted from the first of them: their digits would else hide a rounding.
+_FAR = 1e6
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?")
 _THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:,\d{3})+\.\d*")
 
@@ -125,17 +127,28 @@ class Rows:
                 raise InputError(f"{where}: {why}{clock}")
         seconds = np.arange(data.shape[1], dtype=np.float64)
         remark = ""
+        clock_s = None
         if time and self.clock == first[time]:
-            began = data[0, 0] if data.shape[1] else 0.0
+            began = float(data[0, 0]) if data.shape[1] else 0.0
+            clock_s = began
             days = np.cumsum(np.diff(data[0], prepend=began) < -_HALF_A_DAY)
             seconds, rounded = regular(data[0] - began + 2 * _HALF_A_DAY * days)
             remark = "; ".join(filter(None, (f"{time!r} is a clock's: 0 s is its first", rounded)))
         elif time:
-            seconds, remark = regular(data[0] * factor)
+            far = float(data[0, 0]) if data.shape[1] and abs(data[0, 0]) * factor > _FAR else 0.0
+            seconds, remark = regular((data[0] - far) * factor)
+            seconds = seconds + far * factor if far else seconds
         seconds = freeze(seconds)
         return {
             name: Column(
-                name, seconds, freeze(values), time, self.position, self.reason(first[name]), remark
+                name,
+                seconds,
+                freeze(values),
+                time,
+                self.position,
+                self.reason(first[name]),
+                remark,
+                clock_s,
             )
             for name, values in zip(wanted, data[len(timed) :], strict=True)
         }

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from surae.base.errors import InputError
-from surae.base.units import FACTORS, FloatArray, spelled
+from surae.base.units import FloatArray, clock_seconds
 
 IndexArray = npt.NDArray[np.intp]
 
@@ -235,6 +235,8 @@ class Column:
     #: empty where it says so itself.
     reason: Callable[[int], str] | None = None
     remark: str = ""  #: What reading it has shown that a user should know.
+    #: The time of day at its first sample [s], where its times are a clock's; else None.
+    clock_s: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -248,7 +250,7 @@ class Clock:
     @property
     def in_seconds(self) -> float:
         """What its numbers are multiplied by to be seconds."""
-        return FACTORS["time"][spelled(self.unit) or "s"]
+        return clock_seconds(self.unit or "s") or 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -283,6 +285,7 @@ class Table:
     #: The column that seems to be the time by its shape where none is by its name; nothing is read
     #: by it before a mapping says so.
     offered: Clock | None = None
+    began: str = ""  #: The date and time of its 0 s, where the file states it to a second or finer.
     #: ``retimed(column, unit)``: the same table with its times in that column, where the format
     #: can say it better than by the column's numbers.
     retimed: "Callable[[str, str], Table] | None" = None

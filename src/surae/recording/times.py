@@ -9,28 +9,42 @@ laboratories have.
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 
 from surae.base.errors import InputError
 from surae.base.frozen import freeze
-from surae.base.units import FACTORS, FloatArray, plain, spelled
+from surae.base.units import FACTORS, FloatArray, clock_seconds, clock_units, plain, spelled
 from surae.recording.roles import TIMES, WORDS, words_of
 from surae.recording.table import Clock, Column, Table, regular, some
 
 _TIME, _BESIDE, _PART = (set(WORDS[each]) for each in ("time", "beside_time", "part_of_movement"))
 #: A name, and the unit in brackets, behind a comma or as its last word.
 _WITH_UNIT = re.compile(
-    r"(?P<name>.*?)\s*(?:[(\[]\s*(?P<in>[^()\[\]]{1,20}?)\s*[)\]]|,\s*(?P<behind>[^\s,]+))\s*"
+    r"(?P<name>.*?)\s*(?:[(\[]\s*(?P<in>[^()\[\]]{1,20}?)\s*[)\]]|[,:]\s*(?P<behind>[^\s,:]+))\s*"
 )
 _LAST = re.compile(r"(?P<name>.*[^\W_])[_ ](?P<in>[^\W_]+)")
+#: What clocks show between the years 2000 and 2050, by their unit: from 1970 on, .NET's ticks of
+#: 100 ns from the year 1.
+_SINCE_1970 = (9.46e8, 2.53e9)
+_EPOCHS = {
+    unit: (_SINCE_1970[0] / FACTORS["time"][unit], _SINCE_1970[1] / FACTORS["time"][unit])
+    for unit in ("s", "ms", "us", "ns")
+} | {"100ns": (6.307e17, 6.465e17)}
 #: Rates [Hz] at which laboratories sample angle, torque and EMG.
 _SLOWEST, _FASTEST = 10.0, 50_000.0
 #: So many samples show a shape, at least and at most.
 _FEWEST = 8
+#: Units in which a step alone is never told from others.
+_NEVER_BY_SHAPE = ("min", "h", "100ns")
 LOOKED_AT = 2000
 #: A step may be so many of the median: a logger's steps differ, a count that was lost is a gap.
 _UNEVEN = 0.5
+
+
+_DAY = 86400.0
+_Key = TypeVar("_Key")
 
 
 def split_unit(name: str) -> tuple[str, str]:
@@ -79,6 +93,11 @@ def is_percent(name: str) -> bool:
     return stretched or (percent and (bool(words & _PART) or not words))
 
 
+def is_part_of_movement(name: str) -> bool:
+    """Whether a column's name has a word for a cycle or a phase in it."""
+    return bool({*words_of(name)} & (_PART - {"time"}))
+
+
 def time_column(names: Sequence[str], where: str) -> Clock | None:
     """The column of times by the names of all; None where none says it.
 
@@ -121,7 +140,7 @@ def seconds(unit: str, name: str, where: str) -> float:
         percent = " (a movement in percent has no speed)" * ("%" in unit or "percent" in unit)
         raise InputError(
             f"{where}, column {name!r}: unit {unit!r} is not known for time{percent}; use "
-            f"{' or '.join(TIMES)}"
+            "time_s, time_ms, time_us, time_ns, time_min or time_h"
         )
     return known
 
@@ -133,14 +152,16 @@ def time_by_shape(columns: Mapping[str, FloatArray]) -> Clock | None:
     is none.
     """
     rising = {name: steps for name, v in columns.items() if (steps := _steps(v)) is not None}
-    clocks = [
-        Clock(name, unit, f"it rises in nearly even steps, {1 / (step * factor):.4g} Hz in {unit}")
-        for name, step in rising.items()
-        for unit, factor in FACTORS["time"].items()
-        if step != 1.0
-        and _SLOWEST <= 1.0 / (step * factor) <= _FASTEST
-        and unit not in ("min", "h")
-    ]
+    clocks = []
+    for name, step in rising.items():
+        since = unit_since_epoch(columns[name])
+        units = [since] if since else [u for u in clock_units() if u not in _NEVER_BY_SHAPE]
+        clocks += [
+            Clock(name, unit, f"it rises in nearly even steps, {1 / seconds:.4g} Hz in {unit}")
+            for unit in units
+            if (step != 1.0 or since)
+            and _SLOWEST <= 1.0 / (seconds := step * clock_units()[unit]) <= _FASTEST
+        ]
     first = next(iter(columns), "")
     if len(rising) > 1 and first in rising:  # a command may rise evenly too
         clocks = [clock for clock in clocks if clock.column == first]
@@ -149,15 +170,32 @@ def time_by_shape(columns: Mapping[str, FloatArray]) -> Clock | None:
     return clocks[0] if clocks else None
 
 
+def unit_since_epoch(values: FloatArray) -> str:
+    """The unit in which numbers are the time since 1970 (or .NET's year 1); empty where none is."""
+    first = float(values[0]) if len(values) else 0.0
+    return next((unit for unit, (low, high) in _EPOCHS.items() if low <= first <= high), "")
+
+
 def counted(columns: Mapping[str, FloatArray]) -> str:
     """The column that counts samples; empty where none does."""
     return next((name for name, v in columns.items() if _steps(v) == 1.0), "")
 
 
+def counts(values: FloatArray) -> bool:
+    """Whether numbers rise by one from sample to sample, also where a counter begins again."""
+    if len(values) < _FEWEST or not np.isfinite(values).all():
+        return False
+    steps = np.diff(values)
+    return bool((steps == 1.0).mean() > 0.98 and ((steps == 1.0) | (steps < 0.0)).all())
+
+
 def rises_in_percent(values: FloatArray) -> bool:
     """Whether numbers go from 0 to 100 in even steps."""
+    falls = np.flatnonzero(np.diff(values) < 0.0)
+    if len(falls):  # the first of several cycles
+        values = values[: falls[0] + 1]
     step = _steps(values)
-    whole = step is not None and len(values) <= 1001
+    whole = step is not None and len(values) <= LOOKED_AT
     return whole and abs(values[0]) < 1.5 * (step or 0) and abs(values[-1] - 100.0) < 1e-6
 
 
@@ -188,15 +226,15 @@ def timed_by(table: Table, column: str, unit: str | None, where: str) -> Table:
             f"{some(table.names)}"
         )
     said = unit or table.units.get(column) or split_unit(column)[1]
-    if said and spelled(said) not in FACTORS["time"]:
+    factor = clock_seconds(said or "s")
+    if factor is None:
         raise InputError(
             f"{where}: time: {table.file} says {said!r} for column {column!r}, which is no unit of "
             f'time; write {{ column = "{column}", unit = … }} with one of: '
-            f"{', '.join(FACTORS['time'])}"
+            f"{', '.join(clock_units())}"
         )
     if table.retimed is not None:
         return table.retimed(column, said)
-    factor = FACTORS["time"][spelled(said) or "s"]
     if column == table.time_name:
         return _scaled(table, factor) if unit and factor != 1.0 else table
 
@@ -219,6 +257,27 @@ def timed_by(table: Table, column: str, unit: str | None, where: str) -> Table:
 
     names = tuple(name for name in table.names if name != column)
     return replace(table, names=names, time_name=column, load=load, offered=None)
+
+
+def on_one_clock(columns: Mapping[_Key, Column]) -> dict[_Key, Column]:
+    """Columns of several files with times of day: the earliest begins at 0 s, others later.
+
+    Columns whose times are no clock's stay as they are.
+    """
+    days = [column.clock_s for column in columns.values() if column.clock_s is not None]
+    if len(set(days)) < 2:
+        return dict(columns)
+    first = min(days)
+    if max(days) - first > _DAY / 2:  # some begin after midnight
+        first = min(day for day in days if day > max(days) - _DAY / 2)
+    made = dict(columns)
+    for name, column in columns.items():
+        if column.clock_s is None or not (late := (column.clock_s - first) % _DAY):
+            continue
+        said = f"it begins {late:.6g} s after the other file's, by their clocks"
+        remark = "; ".join(filter(None, (column.remark, said)))
+        made[name] = replace(column, time=freeze(column.time + late), remark=remark)
+    return made
 
 
 def _scaled(table: Table, factor: float) -> Table:

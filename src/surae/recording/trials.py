@@ -13,7 +13,7 @@ import numpy as np
 from surae.base.errors import InputError
 from surae.base.frozen import freeze
 from surae.recording.described import EACH, MappedTrial, toml_value
-from surae.recording.roles import WORDS, guess_role, words_of
+from surae.recording.roles import WORDS, words_of
 from surae.recording.table import (
     FEWEST_SAMPLES,
     MOST_TRIALS,
@@ -24,14 +24,13 @@ from surae.recording.table import (
     regular,
     some,
 )
+from surae.recording.trial_groups import groups_of, of_group
 
 _WORDS = set(WORDS["trial"])
 _BESIDE = {"id", "no", "nr", "number", "index", "num", "name", "nummer", "numero", "label", "i"}
 #: More trials than these in a file are none; one has so many samples at least.
 _MOST = MOST_TRIALS
 _FEWEST = FEWEST_SAMPLES
-#: What may stand between a group's name and a column's.
-_BETWEEN = (": ", "/", ".")
 
 
 class SeveralTrialsError(InputError):
@@ -91,8 +90,9 @@ def trials_in(
 
     `columns` are its columns where they have been loaded.
     """
-    if groups := _groups(table.names):
-        return TrialsInFile("group", tuple(groups), sheets=table.format == "Excel")
+    if groups := groups_of(table.names):
+        sheets = table.format == "Excel" and ": " in "".join(table.names)
+        return TrialsInFile("group", tuple(groups), sheets=sheets)
     by_name = [name for name in table.names if _is_trial(name)]
     for name in by_name:
         runs = _runs_of(table, name)
@@ -164,33 +164,10 @@ def _falls_of(table: Table, name: str) -> int:
         return 0
 
 
-def _groups(names: Sequence[str]) -> list[str]:
-    """Groups of columns that hold the same: an angle, and a torque or an EMG, each; else none."""
-    for between in _BETWEEN:
-        groups: dict[str, list[str]] = {}
-        for name in names:
-            group, _, own = name.rpartition(between)
-            if group:
-                groups.setdefault(group, []).append(own)
-        alike: dict[tuple[str, ...], list[str]] = {}
-        for group, members in groups.items():
-            alike.setdefault(tuple(sorted(members)), []).append(group)
-        for held, several in alike.items():
-            if len(several) > 1 and _is_recording(held):
-                return several
-    return []
-
-
-def _is_recording(names: Sequence[str]) -> bool:
-    """Whether columns hold an angle, and a torque or an EMG."""
-    roles = {guess.role for name in names if (guess := guess_role(name)) is not None}
-    return "angle" in roles and any(r == "torque" or str(r).startswith("emg_") for r in roles)
-
-
 def chosen_trials(table: Table, chosen: MappedTrial, where: str) -> TrialsInFile:
     """The trials that a mapping tells apart; refused where it tells none apart."""
     if chosen.inside is not None:
-        if not (groups := _groups(table.names)):
+        if not (groups := groups_of(table.names)):
             raise InputError(
                 f"{where}: trial: {table.file} has no groups that each hold a recording; its "
                 f"columns are: {some(table.names)}"
@@ -230,8 +207,8 @@ def one_trial(table: Table, chosen: MappedTrial, where: str) -> Table:
     """
     if chosen.inside is not None:
         if chosen.several:
-            raise _several(table, _groups(table.names), where)
-        return _of_group(table, chosen.inside, where)
+            raise _several(table, [*groups_of(table.names)], where)
+        return of_group(table, chosen.inside, where)
     if chosen.column is not None:
         labels, first = _by_column(table, chosen.column, where)
         if chosen.index is None and chosen.value is None and len(labels) == 1:
@@ -315,35 +292,3 @@ def _rows(table: Table, first: int, end: int | None) -> Table:
 def _later(column: Column, first: int) -> Callable[[int], str] | None:
     reason = column.reason
     return None if reason is None else lambda k: reason(k + first)
-
-
-def _of_group(table: Table, group: str, where: str) -> Table:
-    """The columns of one group, sheet or structure, by their names in it."""
-    for between in _BETWEEN:
-        own = {
-            n.removeprefix(group + between): n for n in table.names if n.startswith(group + between)
-        }
-        if own:
-            break
-    else:
-        groups = _groups(table.names)
-        has = f"it holds: {some(groups)}" if groups else "its columns are in no groups"
-        raise InputError(f"{where}: trial: {table.file} has no group {group!r}; {has}")
-
-    def load(wanted: Sequence[str]) -> Mapping[str, Column]:
-        loaded = table.load([own[name] for name in wanted])
-        return {name: replace(loaded[own[name]], name=name) for name in wanted}
-
-    def mine(said: Mapping[str, str]) -> dict[str, str]:
-        return {name: said[full] for name, full in own.items() if full in said}
-
-    return replace(
-        table,
-        names=tuple(own),
-        load=load,
-        units=mine(table.units),
-        remarks=mine(table.remarks),
-        descriptions=mine(table.descriptions),
-        retimed=None,
-        cells=None,
-    )

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from surae.recording.headings import DELIMITERS, numeric
 from surae.recording.roles import TIMES
 from surae.recording.rows import is_clock
-from surae.recording.source import Source
+from surae.recording.source import HEAD, Source
 from surae.recording.table import Table, some
 
 #: Programs by what their exports' first lines hold, and how they export what is read.
@@ -28,7 +28,6 @@ _EXPORTS: Sequence[tuple[str, str, str]] = (
         "AcqKnowledge",
         "File, Save As, text with headers, or MATLAB",
     ),
-    (r"SUMMARY.*\n?.*INFORMATION|\"INFORMATION\"", "Spike2", "File, Export As, MATLAB data"),
     (r"^%time,field\.", "rostopic echo -p", "one topic a file, with its names"),
     (r"Noraxon|MR3", "Noraxon MR3", "Export, CSV or MATLAB"),
     (r"BTS|Measure unit:", "BTS", "Export, C3D or EMT"),
@@ -42,6 +41,8 @@ def export_of(source: Source) -> str:
 
     Empty where nothing says it.
     """
+    if _is_binary(source):
+        return ""
     first = "\n".join(itertools.islice(source.head(), 60))
     for pattern, what, how in _EXPORTS:
         if re.search(pattern, first, re.MULTILINE):
@@ -49,8 +50,14 @@ def export_of(source: Source) -> str:
     return ""
 
 
+def _is_binary(source: Source) -> bool:
+    return b"\0" in source.data[:HEAD]
+
+
 def likely_heading(source: Source) -> str:
     """The row that looks like the names of columns; empty where none does."""
+    if _is_binary(source):
+        return ""
     most: tuple[int, int, str] = (1, 0, "")
     for number, line in enumerate(itertools.islice(source.head(), 400), start=1):
         for delimiter in DELIMITERS:

@@ -14,8 +14,9 @@ from typing import Any
 from surae.base.errors import InputError
 from surae.base.files import PathLike, make_folder, natural_order, paths_of, read_bytes, shown
 from surae.model.knowledge_file import SESSION_TOML
+from surae.recording.described import TRIAL
 from surae.recording.formats import trial_names
-from surae.recording.mapping import TRIAL, Description
+from surae.recording.mapping import Description
 from surae.recording.reading import data_files_below, is_mapping
 from surae.recording.source import Source, open_source
 from surae.trials.sorting import Trial

@@ -6,6 +6,7 @@ sample.
 """
 
 import re
+from datetime import datetime
 from typing import Any
 
 import numpy as np
@@ -58,7 +59,7 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
             label = signal.label
             unit = signal.physical_dimension
             columns.append(Parsed(label, values, times[per_record], unit, gaps))
-        return packed(columns)
+        return packed(columns, file.began)
 
 
 class _File:
@@ -108,6 +109,15 @@ class _File:
             )
         if self.records < 1:
             raise InputError(f"{shown}: it holds no samples")
+
+    @property
+    def began(self) -> str:
+        """The date and time at which it began; empty where the header has none."""
+        try:
+            moment = datetime.strptime(self._data[168:184].decode(), "%d.%m.%y%H.%M.%S")
+        except ValueError:
+            return ""
+        return moment.isoformat(sep=" ")
 
     def values(self) -> list[FloatArray]:
         """The signals in their units."""

@@ -50,8 +50,8 @@ def cut_short(announced: float, present: int) -> str:
     return f"the header states {announced:g} samples, the file holds {present}: it was cut short"
 
 
-def packed(columns: Sequence[Parsed]) -> dict[str, Any]:
-    """Columns as plain data, arrays of times that several share once."""
+def packed(columns: Sequence[Parsed], began: str = "") -> dict[str, Any]:
+    """Columns as plain data, arrays of times that several share once; and when the file began."""
     times = {id(c.time): c.time for c in columns if isinstance(c.time, np.ndarray)}
     places = {key: index for index, key in enumerate(times)}
     plain = [
@@ -59,7 +59,7 @@ def packed(columns: Sequence[Parsed]) -> dict[str, Any]:
         | {"time": places.get(id(column.time), column.time)}
         for column in columns
     ]
-    return {"columns": plain, "times": list(times.values())}
+    return {"columns": plain, "times": list(times.values()), "began": began}
 
 
 def in_child(source: Source, format_name: str, module: str) -> Any:
@@ -113,6 +113,7 @@ def foreign_table(source: Source, format_name: str, module: str) -> Table:
         units={name: column.unit for name, column in by_name.items() if column.unit},
         remarks={name: column.remark for name, column in by_name.items() if column.remark},
         descriptions={name: c.description for name, c in by_name.items() if c.description},
+        began=plain["began"],
     )
 
 

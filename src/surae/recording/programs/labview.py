@@ -35,7 +35,10 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
     binary = data.startswith(_BINARY)
     library = optional("nptdms" if binary else "lvm_read", "LabVIEW", shown)
     with untrusted(shown):
-        return packed(list(_groups(library, data) if binary else _segments(library, data)))
+        if not binary:
+            return packed(list(_segments(library, data)))
+        file = library.TdmsFile.read(io.BytesIO(data))
+        return packed(list(_groups(file)), _began(file))
 
 
 def _segments(lvm_read: Any, data: bytes) -> Iterator[Parsed]:
@@ -106,12 +109,20 @@ def _nth(values: Any, index: int, default: Any) -> Any:
     return values[index] if values and index < len(values) and values[index] else default
 
 
-def _groups(nptdms: Any, data: bytes) -> Iterator[Parsed]:
+def _began(file: Any) -> str:
+    """The date and time at which the first waveform began; empty where none says it."""
+    every = [c.properties.get("wf_start_time") for group in file.groups() for c in group.channels()]
+    seconds = [s for each in every if each is not None and np.isfinite(s := _instant(each))]
+    if not seconds:
+        return ""
+    return str(np.datetime64(round(1e6 * min(seconds)), "us")).replace("T", " ")
+
+
+def _groups(file: Any) -> Iterator[Parsed]:
     """Channels of a binary file: waveforms, or columns beside one of times.
 
     Each waveform begins at its own instant; the earliest is 0 s.
     """
-    file = nptdms.TdmsFile.read(io.BytesIO(data))
     groups = file.groups()
     status = file.file_status
     cut = status.channel_statuses if status.incomplete_final_segment else None

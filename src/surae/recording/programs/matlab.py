@@ -14,10 +14,9 @@ times are given without. Tables and other objects of MATLAB's classes are opened
 can; the others are named.
 """
 
-import io
-import tempfile
-from collections.abc import Iterator, Mapping
-from pathlib import Path
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
@@ -25,12 +24,23 @@ import numpy.typing as npt
 
 from surae.base.cleaning import cleaned
 from surae.base.errors import InputError
-from surae.base.units import FACTORS, FloatArray
-from surae.recording.hdf5 import fixed_text, is_plain, member
+from surae.base.units import FACTORS, FloatArray, clock_seconds
 from surae.recording.programs.foreign import Parsed, foreign_table, packed
-from surae.recording.programs.matlab_layouts import beside, by_channel, known
+from surae.recording.programs.matlab_layouts import beside, by_channel, known, texts
+from surae.recording.programs.matlab_variables import (
+    DEEPEST,
+    RATES,
+    STARTS,
+    MatlabObject,
+    bare,
+    is_start,
+    matlab5,
+    matlab73,
+    objects,
+)
 from surae.recording.source import Source
 from surae.recording.table import Table, some
+from surae.recording.times import unit_since_epoch
 from surae.recording.untrusted import untrusted
 
 _MATLAB5 = b"MATLAB 5.0 MAT-file"
@@ -41,17 +51,13 @@ _USER_BLOCK = 512
 _TIMES = dict.fromkeys(("time", "times", "t"), 1.0) | {
     f"{name}_{unit}": factor for name in ("time", "t") for unit, factor in FACTORS["time"].items()
 }
-#: Names of a sampling rate [Hz], in small letters without ``_``.
-_RATES = ("fs", "rate", "ratehz", "samplingrate", "samplerate", "samplingfrequency")
+#: Of these a number is seconds; of the others it may be a count of samples.
+_IN_SECONDS = STARTS[:3]
 _UNITS = ("units", "unit")
 _TITLES = ("title", "comment")
 _LONGEST_UNIT = 100
-#: Structures within structures.
-_DEEPEST = 4
-#: Variables in a file, attributes of one, texts in one.
-_MOST_VARIABLES = 10_000
-_MOST_ATTRIBUTES = 50
-_MOST_TEXTS = 1000
+#: A start [s] beyond is an instant of a calendar.
+_CALENDAR = 1e6
 #: What has no times is a signal from so many samples on; beside others, from this part of theirs.
 _SIGNAL = 100
 _SHORTEST = 10
@@ -64,12 +70,6 @@ _PLAINLY = {
 }
 #: Objects that hold no signal.
 _TEXTS = ("string", "categorical", "function_handle", "FileWrapper__")
-
-
-class _Object(str):
-    """The class of a variable that is one of MATLAB's objects."""
-
-    __slots__ = ()
 
 
 def recognises(source: Source) -> bool:
@@ -89,10 +89,10 @@ def open_table(source: Source) -> Table:
 def parse(data: bytes, shown: str) -> dict[str, Any]:
     """The signals of a file."""
     with untrusted(shown):
-        variables = _matlab5(data) if data.startswith(_MATLAB5) else _matlab73(data)
-        if any(isinstance(each, _Object) for each in variables.values()):
-            variables = {**variables, **_objects(data)}
-        columns = list(_signals(variables, "", shown, 0))
+        variables = matlab5(data) if data.startswith(_MATLAB5) else matlab73(data)
+        if any(isinstance(each, MatlabObject) for each in variables.values()):
+            variables = {**variables, **objects(data)}
+        columns = _from_the_earliest(list(_signals(variables, "", shown, 0)))
         timed = [c for c in columns if isinstance(c.time, np.ndarray) or c.time[1] or c.refused]
         longest = max((len(c.values) for c in timed), default=_SIGNAL)
         # Beside signals with times, shorter vectors are settings.
@@ -109,147 +109,47 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
         raise InputError(f"{shown}: {first.name!r}: {first.refused}{others}")
 
 
-def _matlab5(data: bytes) -> Mapping[str, Any]:
-    """Variables of version 5 to 7.2: numbers, texts, objects, structures as mappings of these."""
-    import scipy.io
-
-    loaded = scipy.io.loadmat(io.BytesIO(data), struct_as_record=False, squeeze_me=True)
-    variables = {}
-    for name, value in loaded.items():
-        if isinstance(value, scipy.io.matlab.MatlabOpaque):
-            names, classes = (np.ravel(value)[0][part] for part in ("s0", "s2"))
-            variables[_name(names)] = _Object(_name(classes))
-        elif not name.startswith("__"):
-            variables[name] = _plain(value)
-    return variables
-
-
-def _objects(data: bytes) -> dict[str, Any]:
-    """MATLAB's objects as structures, those that mat-io opens."""
-    try:
-        from matio import load_from_mat
-    except ImportError:
-        return {}
-    with tempfile.TemporaryDirectory(prefix="surae-") as folder:
-        path = Path(folder) / "objects.mat"
-        path.write_bytes(data)
-        try:
-            loaded = load_from_mat(str(path))
-        except Exception:  # its parser raises anything, and what it can't open is named
-            return {}
-    opened = {name: _opened(value) for name, value in loaded.items() if not name.startswith("__")}
-    return {name: value for name, value in opened.items() if isinstance(value, dict)}
-
-
-def _opened(value: Any) -> Any:
-    """An object's properties, or a table's columns with its times, as a structure."""
-    if isinstance(fields := getattr(value, "properties", None), Mapping):
-        return {str(name): _opened(field) for name, field in fields.items()}
-    if hasattr(value, "columns") and hasattr(value, "index"):  # a pandas DataFrame
-        columns = {str(name): np.asarray(value[name]) for name in value.columns}
-        if (index := np.asarray(value.index)).dtype.kind in "mM" and len(index):
-            columns["time"] = (index - index[0]) / np.timedelta64(1, "s")
-        return {name: np.atleast_1d(each.squeeze()) for name, each in columns.items()}
-    if isinstance(value, np.ndarray) and value.dtype == object:
-        return [_opened(element) for element in value.ravel()]
-    return (
-        value[0]
-        if isinstance(value, np.ndarray) and value.dtype.kind == "U" and value.size == 1
-        else value
-    )
-
-
-def _name(raw: Any) -> str:
-    return raw.decode("latin-1") if isinstance(raw, bytes) else str(raw)
-
-
-def _plain(value: Any) -> Any:
-    """A structure as a mapping; structures side by side as a list of mappings."""
-    if (class_name := getattr(value, "classname", None)) is not None:
-        return _Object(str(class_name))
-    if (fields := getattr(value, "_fieldnames", None)) is not None:
-        return {name: _plain(getattr(value, name)) for name in fields}
-    if isinstance(value, np.ndarray) and value.dtype == object:
-        return [_plain(element) for element in value.ravel()]
-    # Squeezed by SciPy to a plain number.
-    number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
-    return np.atleast_1d(value) if number else value
-
-
-def _matlab73(data: bytes) -> Mapping[str, Any]:
-    """Variables of version 7.3, which is HDF5."""
-    import h5py
-
-    with h5py.File(io.BytesIO(data), "r") as file:
-        return _group(file, [_MOST_VARIABLES], 0, set())
-
-
-def _group(group: Any, remaining: list[int], depth: int, seen: set[int]) -> dict[str, Any]:
-    """Variables of a file or structure, each once, not those that are links to somewhere else."""
-    import h5py
-
-    variables: dict[str, Any] = {
-        key: said
-        for key in list(group.attrs)[:_MOST_ATTRIBUTES]
-        if _is_rate(key) and (said := _attribute(group.attrs[key])) is not None
-    }
-    for name in group:
-        remaining[0] -= 1
-        if remaining[0] < 0:
-            raise ValueError(f"more than {_MOST_VARIABLES} variables")
-        item = member(group, name)
-        if item is None or (place := h5py.h5o.get_info(item.id).addr) in seen:
+def _start(variables: Mapping[str, Any]) -> float:
+    """When signals begin [s], of a number or a date and time; 0 where nothing says it."""
+    for name, value in variables.items():
+        if not is_start(name):
             continue
-        seen.add(place)
-        if isinstance(item, h5py.Group) and depth < _DEEPEST and not name.startswith("#"):
-            variables[name] = _group(item, remaining, depth + 1, seen)
-        elif isinstance(item, h5py.Dataset) and "MATLAB_empty" not in item.attrs:
-            variables[name] = _dataset(item)
-            for key in list(item.attrs)[:_MOST_ATTRIBUTES]:
-                if (said := _attribute(item.attrs[key])) is not None:
-                    variables.setdefault(key if _is_rate(key) else f"{name}_{key}", said)
-    return variables
+        if _shape(value) == (1,):
+            number = float(_floats(value)[0])
+            since = unit_since_epoch(np.array([number]))
+            if since or (np.isfinite(number) and bare(name) in _IN_SECONDS):
+                return number * (clock_seconds(since or "s") or 1.0)
+        for text in texts(value):
+            try:
+                return datetime.fromisoformat(text).replace(tzinfo=UTC).timestamp()
+            except (ValueError, OverflowError):
+                continue
+    return 0.0
 
 
-def _is_rate(name: str) -> bool:
-    """Whether a variable or an attribute is a sampling rate, by its name."""
-    return name.casefold().replace("_", "").replace(" ", "") in _RATES
-
-
-def _attribute(value: Any) -> Any:
-    """What an attribute says of its dataset: a rate or texts."""
-    if isinstance(value, bytes | str):
-        return [_name(value)]
-    if isinstance(value, np.ndarray) and value.dtype.kind in "SUO":
-        return [_name(each) for each in value.ravel().tolist() if isinstance(each, bytes | str)]
-    return np.atleast_1d(value) if isinstance(value, int | float | np.number) else None
-
-
-def _dataset(dataset: Any) -> Any:
-    """An array as MATLAB shows it, whose dimensions HDF5 lists the other way round, or a text."""
-    import h5py
-
-    class_name = fixed_text(dataset, "MATLAB_class")
-    if "MATLAB_object_decode" in dataset.attrs and class_name is not None:
-        return _Object(class_name)
-    if dataset.dtype.kind in "SO" and dataset.size <= _MOST_TEXTS and not dataset.external:
-        each = np.ravel(dataset[()]).tolist()
-        if h5py.check_ref_dtype(dataset.dtype) is not None:  # a cell array
-            inner = (dataset.file[reference] for reference in each if reference)
-            return [_dataset(cell) for cell in inner if isinstance(cell, h5py.Dataset)]
-        return [_name(text) for text in each if isinstance(text, bytes | str)]
-    if not is_plain(dataset):
-        return np.array("")
-    array = np.asarray(dataset[()]).T
-    if class_name == "char":
-        return "".join(chr(code) for code in np.ravel(array) if 0 < code < 0xD800)
-    return array
+def _from_the_earliest(columns: Sequence[Parsed]) -> list[Parsed]:
+    """Columns whose starts are instants of a calendar, from the earliest of them."""
+    starts = [c.time[0] for c in columns if isinstance(c.time, tuple) and c.time[0] > _CALENDAR]
+    if not starts:
+        return list(columns)
+    first = min(starts)
+    return [
+        replace(c, time=(c.time[0] - first, c.time[1]))
+        if isinstance(c.time, tuple) and c.time[0] > _CALENDAR
+        else c
+        for c in columns
+    ]
 
 
 def _signals(
-    variables: Mapping[str, Any], prefix: str, shown: str, depth: int, above: float | None = None
+    variables: Mapping[str, Any],
+    prefix: str,
+    shown: str,
+    depth: int,
+    above: float | None = None,
+    began: float = 0.0,
 ) -> Iterator[Parsed]:
-    """The signals among some variables; a rate `above` holds where these have none."""
+    """The signals among some variables; a rate `above`, and when it `began`, hold below it."""
     if (columns := known(variables, prefix, shown)) is not None:
         yield from columns
         return
@@ -260,23 +160,31 @@ def _signals(
     }
     seconds = {name: time * _TIMES[name.casefold()] for name, time in times.items()}
     rate = None if times else _rate(variables, f"{shown}: {prefix}") or above
+    start = _start(variables) or began
     for name, value in variables.items():
         full = prefix + name
-        if isinstance(value, _Object):
+        if isinstance(value, MatlabObject):
             if value not in _TEXTS:
                 yield _refused(full, value)
         elif isinstance(value, Mapping):
             if "values" in value and "interval" in value:
                 yield _spike2(full, value)
-            elif depth < _DEEPEST:
-                yield from _signals(value, f"{full}.", shown, depth + 1, rate)
+            elif depth < DEEPEST:
+                yield from _signals(value, f"{full}.", shown, depth + 1, rate, start)
         elif isinstance(value, list):
             each = [element for element in value if isinstance(element, Mapping)]
-            for index, element in enumerate(each if depth < _DEEPEST else [], start=1):
-                yield from _signals({f"({index})": element}, full, shown, depth + 1, rate)
+            for index, element in enumerate(each if depth < DEEPEST else [], start=1):
+                yield from _signals({f"({index})": element}, full, shown, depth + 1, rate, start)
         elif name not in times and _shape(value):
+            of_all = _unit_of_all(variables)
             for label, vector, unit in _vectors(variables, name, prefix, seconds):
-                yield from _placed(label, vector, unit, prefix, seconds, rate)
+                yield from _placed(label, vector, unit or of_all, prefix, seconds, (start, rate))
+
+
+def _unit_of_all(variables: Mapping[str, Any]) -> str:
+    """The one unit that a structure states; empty where it states none or several."""
+    said = [texts(value) for name, value in variables.items() if name.casefold() in _UNITS]
+    return said[0][0] if len(said) == 1 and len(said[0]) == 1 else ""
 
 
 def _placed(
@@ -285,18 +193,19 @@ def _placed(
     unit: str,
     prefix: str,
     seconds: Mapping[str, FloatArray],
-    rate: float | None,
+    clock: tuple[float, float | None],
 ) -> Iterator[Parsed]:
     """A vector with the times that are as many, or at the rate; nothing where it is no signal."""
     at = next((key for key, time in seconds.items() if len(time) == len(vector)), None)
     if at is not None:
         remark = "" if "_" in at else f"{prefix}{at} is taken as seconds"
         yield Parsed(label, vector, seconds[at], unit, remark, time_name=prefix + at)
-    elif len(vector) > 1 and (rate is not None or len(vector) >= _SIGNAL):
-        yield Parsed(label, vector, (0.0, rate or 0.0), unit)
+    elif len(vector) > 1 and (clock[1] is not None or len(vector) >= _SIGNAL):
+        start, rate = clock
+        yield Parsed(label, vector, (start if rate else 0.0, rate or 0.0), unit)
 
 
-def _refused(name: str, value: _Object) -> Parsed:
+def _refused(name: str, value: MatlabObject) -> Parsed:
     """An object that only MATLAB can open, and how to save it plainly."""
     plainly = _PLAINLY.get(value, "s = struct({0})").format(name)
     refused = (
@@ -360,7 +269,7 @@ def _rate(variables: Mapping[str, Any], where: str) -> float | None:
     rates = {
         name: _floats(value).item()
         for name, value in variables.items()
-        if name.casefold().replace("_", "") in _RATES and _shape(value) == (1,)
+        if bare(name) in RATES and _shape(value) == (1,)
     }
     if not rates:
         return None
@@ -391,7 +300,7 @@ def _number(channel: Mapping[str, Any], name: str, default: float) -> float:
 
 def _text(value: Any) -> str:
     """A text of a channel, or the letters' numbers as MATLAB stores them; empty for neither."""
-    text = value if isinstance(value, str) and not isinstance(value, _Object) else ""
+    text = value if isinstance(value, str) and not isinstance(value, MatlabObject) else ""
     shape = _shape(value)
     if len(shape) == 1 and shape[0] <= _LONGEST_UNIT and value.dtype.kind in "iu":
         text = "".join(chr(int(code)) for code in _floats(value) if 0 < code < 0xD800)

@@ -207,7 +207,9 @@ def _simulink(own: Variables, prefix: str, _: str) -> Iterator[Parsed]:
 def _importdata(own: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
     """MATLAB's importdata: a matrix under the heads of its columns, of which one may be time."""
     data = matrix(own["data"])
-    names = texts(own["colheaders"])
+    names = texts(own.get("colheaders"))
+    if data is not None and data.ndim == 2 and not names:
+        names = texts(own["textdata"])[-data.shape[1] :]  # the last row of what stood above
     if data is None or data.ndim != 2 or data.shape[1] != len(names):
         return
     clock = time_column(names, shown)
@@ -246,6 +248,7 @@ def _nwb(own: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
 _LAYOUTS = (
     ({"data", "data_conversion"}, _nwb),
     ({"data", "colheaders"}, _importdata),
+    ({"data", "textdata"}, _importdata),
     ({"time", "signals"}, _simulink),
     ({"data", "datastart", "dataend", "samplerate"}, _labchart),
     ({"data", "isi", "isi_units"}, _acqknowledge),

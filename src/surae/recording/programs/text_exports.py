@@ -144,15 +144,20 @@ def _labchart(lines: Sequence[str]) -> _Said:
 
 def _acqknowledge(lines: Sequence[str]) -> _Said:
     """AcqKnowledge: the interval, the number of channels, then each one's name and unit."""
-    at = next(k for k, line in enumerate(lines) if re.search(r"sec/sample", line))
+    at = next(k for k, line in enumerate(lines) if re.match(_PER_SAMPLE, line))
     number, unit = re.split(r"\s+", lines[at].strip().partition("/")[0])[:2]
-    seconds = float(number) * FACTORS["time"][spelled(unit) or ""]
+    if unit.casefold().startswith(("sample", "hz")):
+        seconds = 1.0 / float(number)
+    else:
+        seconds = float(number) * FACTORS["time"][spelled(unit) or ""]
     count = int(lines[at + 1].split()[0])
     about = [line.strip() for line in lines[at + 2 : at + 2 + 2 * count]]
     names, units = about[0::2], about[1::2]
     delimiter = next(d for d in ("\t", ",") if d in lines[at + 2 + 2 * count])
     above = _first_numbers(lines, delimiter, at + 2 + 2 * count)
-    samples = re.match(r"\s*(\d+)\s+samples", lines[above - 1].replace(delimiter, " "))
+    if above < len(lines) and not lines[above].split(delimiter)[0].strip():
+        above += 1  # a row that says how many samples each channel has
+    samples = re.match(r"\s*(\d+)(?:\s+samples|\s)", lines[above - 1].replace(delimiter, " "))
     heads = [cell.strip() for cell in lines[at + 2 + 2 * count].split(delimiter)]
     timed = spelled(heads[0]) in FACTORS["time"] or heads[0].casefold().startswith(("time", "min"))
     every = (*(("time",) if timed else ()), *names)
@@ -215,21 +220,26 @@ def _anc(lines: Sequence[str]) -> _Said:
 def _opensignals(lines: Sequence[str]) -> _Said:
     """OpenSignals: a line of JSON on each device, then its columns."""
     about = json.loads(next(line for line in lines if line.startswith("# {"))[2:])
+    names: list[str] = []
+    for number, device in enumerate(about.values(), start=1):
+        own = [str(name) for name in device["column"]]
+        labels = [str(label) for label in device.get("label", [])]
+        sensors = [str(sensor) for sensor in device.get("sensor", [])]
+        first = len(own) - len(labels)  # counters stand before the channels
+        for k, (label, sensor) in enumerate(zip(labels, sensors, strict=False)):
+            own[first + k] = f"{sensor} {label}".strip()
+        names += [f"device {number}: {name}" for name in own] if len(about) > 1 else own
     device = next(iter(about.values()))
-    names = [str(name) for name in device["column"]]
-    channels = [str(label) for label in device.get("label", [])]
-    sensors = [str(sensor) for sensor in device.get("sensor", [])]
-    known = {
-        label: f"{sensor} {label}".strip() for label, sensor in zip(channels, sensors, strict=False)
-    }
-    names = [known.get(name, name) for name in names]
     above = next(k for k, line in enumerate(lines) if "EndOfHeader" in line) + 1
     return _Said(above, tuple(names), {}, rate_hz=float(device["sampling rate"]))
 
 
+#: AcqKnowledge's second line.
+_PER_SAMPLE = r"^[\d.]+\s+(?:[mu]?sec/sample|samples/sec(?:ond)?|Hz)\s*$"
+
 _PROGRAMS: Sequence[tuple[str, str, _Reader]] = (
     (r"^ChannelTitle=", "LabChart", _labchart),
-    (r"^[\d.]+\s*[mu]?sec/sample", "AcqKnowledge", _acqknowledge),
+    (_PER_SAMPLE, "AcqKnowledge", _acqknowledge),
     (r"^NO_OF_(FRAMES|SAMPLES|CHANNELS)\t", "Qualisys", _qualisys),
     (r"^File_Type:\t*Analog R/C ASCII", "Motion Analysis", _anc),
     (r"^# OpenSignals Text File", "OpenSignals", _opensignals),
