@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from surae.base.cleaning import cleaned
+from surae.base.errors import InputError, in_short
 
 
 @pytest.mark.parametrize(
@@ -47,3 +48,11 @@ def test_every_text_can_be_printed_encoded_and_stand_in_xml(text: str) -> None:
     element = ElementTree.Element("name")
     element.text = line
     assert (ElementTree.fromstring(ElementTree.tostring(element)).text or "") == line
+
+
+def test_an_error_repeats_no_more_of_what_was_given_than_shows_it():
+    path = "/data/" + "/".join(["a-patient's folder"] * 20) + "/trial.csv"
+    assert in_short(f"{path}: no column 'angle'") == f"{path}: no column 'angle'"
+    assert len(str(InputError("A" * 2**20))) < 300
+    assert len(str(InputError("plate = " + "A b" * 2**20 + " is none"))) <= 2000
+    assert str(InputError("no such file")) == "no such file"

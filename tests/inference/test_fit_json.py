@@ -19,6 +19,8 @@ from surae.base.packed import decode, encode
 from surae.base.records import FORMAT
 from surae.base.words import Message
 from surae.inference import AssessedFit, assess, fit_problem, make_problem
+from surae.inference.judging.adequacy import doubted
+from surae.inference.judging.reasons import OF_OTHER_TRIALS, against
 from surae.inference.saved.fit_json import as_dict, load_saved, save_fit
 from surae.inference.saved.parameters_json import read_parameters
 from surae.protocol import Protocol, generate
@@ -543,4 +545,128 @@ def test_arrays_that_claim_too_much_are_refused_before_they_are_unpacked(text, t
     tracemalloc.stop()
     data["R"]["shape"] = [10**9, 10**9]
     with pytest.raises(InputError, match="arrays claim"):
+        load_text(json.dumps(data), tmp_path)
+
+
+#: What of a file may be changed by hand: labels; and verdicts, of which it is said.
+SAID = ("verdict", "ci95", "grade")
+
+
+def leaves(node, path=()):
+    """Every value in a JSON document that is no table or list, and every list that is empty."""
+    pairs = node.items() if isinstance(node, dict) else enumerate(node[:3])
+    for key, value in pairs:
+        if isinstance(value, dict | list) and value and "encoding" not in value:
+            yield from leaves(value, (*path, key))
+        else:
+            yield (*path, key), value
+
+
+def other(value):
+    """Values of the same kind that are others: what a type alone does not refuse."""
+    match value:
+        case bool():
+            return [not value]
+        case int() | float():
+            return [value + 1, -value - 1, 1e300, 1e-300]
+        case str():
+            return [value + "!", "", "<b>x</b>", "A" * 2**20]
+        case None:
+            return [1.0, "x"]
+    return [[], ["x"], {}]
+
+
+def edits(data):
+    """Every change of one value, and every value taken away."""
+    for path, value in leaves(data):
+        for wrong in (*other(value), "gone"):
+            yield path, wrong
+
+
+def edited(data, path, wrong):
+    mutant = copy.deepcopy(data)
+    node = mutant
+    for key in path[:-1]:
+        node = node[key]
+    if wrong == "gone":
+        del node[path[-1]]
+    else:
+        node[path[-1]] = wrong
+    return mutant
+
+
+def believed(data, path, wrong, tmp_path):
+    """What an edit changes of what is shown, unless it is refused; not what it is said of."""
+    try:
+        fit = load_text(json.dumps(edited(data, path, wrong)), tmp_path)
+    except InputError as error:
+        said = str(error)
+        if "\n" in said or len(said) > 600:
+            raise AssertionError(path) from error
+        return False
+    if fit.assessment.differs:
+        assert path[-1] in SAID or path[-2] in SAID, path
+        return False
+    again = as_dict(AssessedFit(fit.result, fit.assessment, fit.quality))
+    again = {key: value for key, value in again.items() if "sha256" not in key}
+    whole = {key: value for key, value in data.items() if "sha256" not in key}
+    if again == whole:
+        return False
+    return not (path[0] in ("recordings", "traces") and path[-1] in ("name", "path", "sha256"))
+
+
+@pytest.mark.filterwarnings("ignore:.*By this version")
+@pytest.mark.parametrize("part", [0, *(pytest.param(k, marks=pytest.mark.slow) for k in (7, 16))])
+def test_no_edited_word_is_believed(part, result, text, tmp_path, monkeypatch):
+    """815 edits of 52 fields were believed once: units, notes, reasons, r2, status, findings."""
+    fresh = assess(result, alternatives=True)
+    # What is judged rests on what the checksums hold: it need not be computed each time.
+    monkeypatch.setattr("surae.inference.saved.fit_json.assess", lambda *_, **__: fresh)
+    data = json.loads(text)
+    every = list(edits(data))
+    assert len(every) > 2000
+    wrong = [(path, to) for path, to in every[part::30] if believed(data, path, to, tmp_path)]
+    assert not wrong, [(path, str(to)[:20]) for path, to in wrong]
+
+
+@pytest.mark.parametrize(
+    ("place", "to"),
+    [
+        (("adequacy", "reasons"), []),
+        (("adequacy", "r2"), 100.0),
+        (("parameters", "m", "unit"), "g"),
+        (("parameters", "k_tri", "note"), "as sure as can be"),
+        (("parameters", "k_tri", "repeatable"), True),
+        (("interval_note",), "<meta http-equiv=refresh>"),
+    ],
+)
+def test_words_of_a_file_are_made_anew(place, to, text, tmp_path):
+    data = json.loads(text)
+    fit = load_text(json.dumps(edited(data, place, to)), tmp_path)
+    assert_same(fit.assessment, load_text(text, tmp_path).assessment)
+
+
+@pytest.mark.parametrize("place", ["status", "message", "starts", "search", "findings", "seconds"])
+def test_how_it_was_found_is_vouched_for(place, text, tmp_path):
+    data = json.loads(text)
+    clean = [{"recording": "x", "findings": [], "skipped": []}]
+    for to in (edited(data, (place,), "gone"), data | {place: clean if place == "findings" else 7}):
+        if place == "findings" and place not in to:
+            continue  # there were none
+        with pytest.raises(InputError, match=r"fit\.json: "):
+            load_text(json.dumps(to), tmp_path)
+
+
+def test_what_other_trials_say_against_a_fit_is_kept_in_our_words(result, text, tmp_path):
+    fresh = assess(result, alternatives=True)
+    reason = against("error-stands", trial="b", what="an electrode is off")
+    judged = doubted(fresh.adequacy, [reason], OF_OTHER_TRIALS)
+    path = tmp_path / "joint.json"
+    save_fit(path, AssessedFit(result, replace(fresh, adequacy=judged)))
+    assert load_saved(path).assessment.adequacy == judged
+    assert load_saved(path).assessment.differs == ()
+    data = json.loads(path.read_text("utf-8"))
+    place = next(i for i, c in enumerate(data["adequacy"]["codes"]) if c["code"] == "error-stands")
+    data["adequacy"]["codes"][place]["values"]["what"] = "nothing"
+    with pytest.raises(InputError, match="somebody changed"):
         load_text(json.dumps(data), tmp_path)

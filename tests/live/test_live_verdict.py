@@ -24,9 +24,10 @@ from surae.quality import Finding, Quality
 from surae.recording import write_csv, write_hdf5
 from surae.studies import virtual_recording, virtual_subject
 from surae_workbench.live.judge import decided, judge, tells
+from surae_workbench.live.mapping import mapping_of
 from surae_workbench.live.room import Room, _files
 from surae_workbench.live.stream import Stream
-from surae_workbench.live.trials import Trials, mapping_of
+from surae_workbench.live.trials import Trials
 from surae_workbench.live.xdf import XdfLog
 
 
@@ -109,7 +110,7 @@ def stream(labels: list[str], units: list[str], kind: str = "x", name: str = "de
 
 def test_streams_that_name_their_channels_as_we_do_need_no_mapping() -> None:
     target = stream(["angle"], ["rad"], kind="Target", name="surae target")
-    made = mapping_of([target, stream(["angle", "torque", "other"], ["deg", "Nm", "V"])])
+    made, _ = mapping_of([target, stream(["angle", "torque", "other"], ["deg", "Nm", "V"])])
     assert made.count("[channels.") == 2
     assert '"device: angle"' in made
     assert 'unit = "deg"' in made
@@ -125,7 +126,7 @@ def test_streams_that_name_their_channels_as_we_do_need_no_mapping() -> None:
     ],
 )
 def test_nothing_is_guessed(streams) -> None:
-    assert mapping_of(streams) == ""
+    assert mapping_of(streams)[0] == ""
 
 
 def appeared(room, tmp_path, file) -> dict:
@@ -451,7 +452,7 @@ def test_a_trackers_stream_is_recorded_as_a_film_on_its_own_clock(tmp_path) -> N
         log.samples(number, at, values)
         told.append(stream(list(labels), list(labels.values()), name=name))
     log.close()
-    (tmp_path / "map.toml").write_text(mapping_of(told), encoding="utf-8")
+    (tmp_path / "map.toml").write_text(mapping_of(told)[0], encoding="utf-8")
     judge(str(log.path), str(tmp_path / "trial.h5"), mapping=str(tmp_path / "map.toml"), begin=0.5)
     film = surae.read(tmp_path / "trial.h5").films["fascicle_tib"]
     found = np.isfinite(lengths)

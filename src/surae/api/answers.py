@@ -21,7 +21,7 @@ from surae.measures.compared import common_end
 from surae.measures.relaxed_change import rest_change
 from surae.nerve.change import NerveChange, of_files
 from surae.signals import Weighting, weighted
-from surae.trials.folder import fit_in
+from surae.trials.folder import fit_in, require_own
 
 #: Angles of changes by default [deg].
 CHANGE_ANGLES = (0.0, 10.0)
@@ -133,13 +133,14 @@ def fits_of(*given: Visited) -> list[Fit]:
 
 def fit_of(given: Fit | PathLike) -> Fit:
     """A fit that is given as itself, as its file, or as the folder of a session."""
-    return given if isinstance(given, Fit) else load(_file_of(given))
-
-
-def _file_of(place: PathLike) -> Path:
-    """A file of a fit, or that of the folder of a session."""
-    path = Path(place)
-    return fit_in(path) if path.is_dir() else path
+    if isinstance(given, Fit):
+        return given
+    place = Path(given)
+    if not place.is_dir():
+        return load(place)
+    fit = load(fit_in(place))
+    require_own(place, fit.result.problem.inputs)
+    return fit
 
 
 @renamed(fitted="fit")

@@ -25,6 +25,7 @@ from surae.trials.folder import (
     TABLE,
     claimed,
     fit_name,
+    require_own,
     results_in,
     set_aside,
 )
@@ -293,8 +294,8 @@ def load_session(folder: PathLike) -> SessionResult:
         index = from_plain(_Index, data)
         session = from_plain(TrialSet, {**data, "mapping": None})
         result = from_plain(SessionResult, {**data, "session": session, "fits": {}, "joint": None})
-    return replace(
-        result,
-        fits={each.name: load(root / fit_name(each.name)) for each in index.trials if each.fit},
-        joint=load(root / JOINT) if index.joint else None,
-    )
+    fits = {each.name: load(root / fit_name(each.name)) for each in index.trials if each.fit}
+    joint = load(root / JOINT) if index.joint else None
+    for name, fit in (*fits.items(), *([("", joint)] if joint else [])):
+        require_own(root, fit.result.problem.inputs, name)
+    return replace(result, fits=fits, joint=joint)

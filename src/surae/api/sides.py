@@ -20,7 +20,7 @@ from surae.measures.at_rest import curve_of, relaxed_of
 from surae.measures.compared import Quantities, quantities
 from surae.recording.reading import data_files_below, is_recording
 from surae.signals import ModelInputs
-from surae.trials.folder import INDEX, JOINT, fit_in
+from surae.trials.folder import INDEX, JOINT, fit_in, require_own
 
 #: A visit that is compared: a fit, its file, the folder of a session; or recordings, their folder.
 Visited = Fit | AnyRecording | Sequence[AnyRecording]
@@ -72,7 +72,9 @@ def side_of(given: Visited) -> Side:
 def _at(place: Path) -> Side:
     """A visit by its file or folder."""
     if _is_session(place):
-        return _of_fit(load(fit_in(place)))
+        fit = load(fit_in(place))
+        require_own(place, fit.result.problem.inputs)
+        return _of_fit(fit)
     if place.suffix.lower() == ".json":
         return _of_fit(load(place))
     files = [place]

@@ -30,7 +30,7 @@ from surae.inference.saved.fit_json import load_saved
 from surae.measures.compared import Quantities, quantities
 from surae.processes.runner import Died, Engine, results
 from surae.settings import FitSettings
-from surae.trials.folder import fit_in
+from surae.trials.folder import fit_in, require_own
 
 _LABELS = ("subject", "side", "group", "session")
 #: Rounds of a refit, at most; it ends where no median moves by more than this part of its spread.
@@ -155,6 +155,8 @@ def quantities_of(
     place = Path(path)
     try:
         fit = load_saved(fit_in(place) if place.is_dir() else place)
+        if place.is_dir():
+            require_own(place, fit.result.problem.inputs)
         if priors is not None:
             known = {
                 name: (float(pair[0]), float(pair[1]))

@@ -3,7 +3,8 @@
 from pathlib import Path
 
 from surae.base.files import PathLike
-from surae.recording.mapping import TRIAL, Description
+from surae.recording.described import TRIAL
+from surae.recording.mapping import Description
 from surae.recording.reading import is_mapping, open_mapping
 from surae.recording.source import open_source
 

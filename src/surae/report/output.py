@@ -1,5 +1,6 @@
 """How a report leaves: as a page, as PDF, and as plain data for parts of other pages."""
 
+import re
 import tempfile
 from base64 import b64decode
 from collections.abc import Iterable, Mapping
@@ -9,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from surae.base.files import PathLike, template, write_atomic
-from surae.report import block
+from surae.report import block, inert_json
 from surae.report.figures import Figure, data_url, png, svg
 from surae.report.traces import Traces, plots, signals_of
 from surae.report.typeset import check_report, is_pdf, typeset
@@ -20,6 +21,8 @@ __all__ = ["Report", "page_of", "paper_of", "write_blocks"]
 _DPI = 150
 #: Figures with many lines; all others have few lines and many letters, and stay sharp at any size.
 _MANY_LINES = ("torque-", "residual-", "tendon-", "predictions")
+#: A figure's name, which is that of a file where a page is set on paper.
+_NAME = re.compile(r"\w[\w.@ -]*")
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,8 +58,9 @@ def page_of(
     document: block.Document | Mapping[str, Any], images: Mapping[str, str], signals: str = ""
 ) -> str:
     """A document as a page, its images data URLs; what `signals` holds can be zoomed into."""
+    explore = {**plots(), "data": inert_json(str(signals))} if signals else None
     return template("page.html.j2", "surae.report").render(
-        document=document, images=images, explore={**plots(), "data": signals} if signals else None
+        document=document, images=images, explore=explore
     )
 
 
@@ -79,7 +83,11 @@ def write_blocks(
     """
     check_report(path)
     if is_pdf(path):
-        drawn = {name: b64decode(url.partition(",")[2]) for name, url in images.items()}
+        drawn = {
+            name: b64decode(url.partition(",")[2])
+            for name, url in images.items()
+            if _NAME.fullmatch(name)
+        }
         write_atomic(path, paper_of(document, drawn))
     else:
         write_atomic(path, page_of(document, images, signals))

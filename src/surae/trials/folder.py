@@ -17,8 +17,9 @@ from surae.model.knowledge_file import SESSION_TOML
 from surae.recording.described import TRIAL
 from surae.recording.formats import trial_names
 from surae.recording.mapping import Description
-from surae.recording.reading import data_files_below, is_mapping
+from surae.recording.reading import data_files_below, is_mapping, is_recording
 from surae.recording.source import Source, open_source
+from surae.signals import ModelInputs
 from surae.trials.sorting import Trial
 
 #: Why there is no joint fit where trials have errors.
@@ -123,6 +124,45 @@ def fit_in(folder: PathLike) -> Path:
         f"{shown(folder)}: {len(alone)} fits and no joint one ({why}); give the FIT.json to "
         "compare, or run `surae session` again"
     )
+
+
+def require_own(folder: PathLike, inputs: Iterable[ModelInputs], trial: str = "") -> None:
+    """Refuse a fit that lies in the folder of a session and is of other recordings.
+
+    `trial` is the only one that it may be of; without it, any of the session's. The index knows
+    their files; without an index, the folder's own recordings are asked.
+    """
+    root = Path(folder)
+    index = index_of(root)
+    listed = _tables((index or {}).get("trials"))
+    trials = [each for each in listed if trial in ("", each.get("name"))]
+    sums = {str(file.get("sha256")) for each in trials for file in _tables(each.get("files"))}
+    names = {str(each.get("name")) for each in trials}
+    if index is None:
+        names = {path.stem for path in data_files_below(root)}
+    for each in inputs:
+        known = {file.sha256 for file in each.files}
+        called = [each.name, *(Path(file.name).stem for file in each.files)]
+        if known & sums or (
+            not (known and sums) and any(_is_of(one, name) for one in called for name in names)
+        ):
+            continue
+        if index is None and not any(map(is_recording, data_files_below(root))):
+            return  # nothing beside the fit says whose it is
+        raise InputError(
+            f"{shown(root)}: the fit in it is of other recordings ({shown(each.name)[:60]}): files "
+            "were exchanged; run `surae session` again, or give the FIT.json itself"
+        )
+
+
+def _tables(listed: object) -> list[dict[str, Any]]:
+    """The tables in a list of a file that may be damaged."""
+    return [e for e in listed if isinstance(e, dict)] if isinstance(listed, list) else []
+
+
+def _is_of(recording: str, trial: str) -> bool:
+    """Whether a recording's name is that of a trial, or of a part of it."""
+    return recording == trial or recording.startswith(f"{trial}, ")
 
 
 def _distinct(trials: Iterable[str]) -> tuple[str, ...]:

@@ -1,7 +1,7 @@
 """What speaks against a fit: by code, its sentence, and what the leg's page says of it."""
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass
 from enum import StrEnum
 
 from surae.base.file_form import filed
@@ -116,13 +116,3 @@ def against(
     """
     says = Message(f"against/{code}", worded, **values)
     return Reason(code, FrozenDict(values), grave, scope, says)
-
-
-def as_given(sentences: Sequence[str], saved: Sequence[Reason]) -> tuple[Reason, ...]:
-    """Reasons of a file, each with the sentence that it was given there.
-
-    Older files have sentences alone, and a newer surae may put a reason otherwise.
-    """
-    if len(saved) != len(sentences):
-        saved = [against("said", text=text) for text in sentences]
-    return tuple(replace(reason, says=text) for reason, text in zip(saved, sentences, strict=True))

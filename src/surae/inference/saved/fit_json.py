@@ -4,28 +4,27 @@ What people read comes first: what the fit is worth. Then come the fields of the
 saw of each recording.
 """
 
-import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
 
 from surae._version import __version__
+from surae.base.cleaning import cleaned
 from surae.base.errors import InputError
 from surae.base.file_form import filed
-from surae.base.files import PathLike, sha256, shown, write_json
+from surae.base.files import PathLike, shown, write_json
 from surae.base.frozen import FrozenDict
 from surae.base.packed import bound_arrays, encode
-from surae.base.records import FORMAT, OrNaN, check_format, from_plain, read_json, to_plain
+from surae.base.records import FORMAT, check_format, from_plain, read_json, to_plain
 from surae.base.units import FloatArray
 from surae.inference import LOSSES, FitProblem, FitResult, LeastSquares, PosteriorMode, Start
-from surae.inference.judging.adequacy import Adequacy, Grade
-from surae.inference.judging.assessment import AssessedFit, Assessment, assess
-from surae.inference.judging.parameter import Interval, ParameterEstimate
-from surae.inference.judging.reasons import Reason, as_given
+from surae.inference.judging.assessment import AssessedFit, assess
 from surae.inference.result import Outliers, Stage
+from surae.inference.saved.checksums import check_checksums, checksums
+from surae.inference.saved.verdicts import as_judged
 from surae.model import ModelOptions, check_value, get_model, with_optional
 from surae.model.source_table import SOURCES
 from surae.quality.finding import Quality
@@ -33,24 +32,8 @@ from surae.recording.reading import is_recording
 from surae.settings import FitSettings
 from surae.signals import ModelInputs
 
-#: What a file's checksum is of: what was fitted and found. What is judged of it is judged again.
-_FITTED = (
-    "model",
-    "options",
-    "free",
-    "base",
-    "priors",
-    "settings",
-    "traces",
-    "sse",
-    "R",
-    "outliers",
-    "family",
-)
-_OF_EACH = ("value", "free", "lower", "upper")
-_LABELS = ("name", "files", "steps")
-#: Part of an interval's width by which its ends may differ and are the same.
-_ALIKE = 0.005
+#: Letters of what is said of a damaged file.
+_REASON = 300
 
 
 def save_fit(path: PathLike, fit: AssessedFit) -> None:
@@ -91,18 +74,7 @@ def as_dict(fit: AssessedFit) -> dict[str, Any]:
             for recording, residual in zip(problem.inputs, result.residuals, strict=True)
         ],
     }
-    return {**data, "sha256": _checksum(data)}
-
-
-def _checksum(data: Mapping[str, Any]) -> str:
-    """SHA-256 of what was fitted, however the file is set; names may be changed."""
-    fitted = {key: data.get(key) for key in _FITTED}
-    for table in ("parameters", "nuisances"):
-        fitted[table] = {
-            name: [p.get(each) for each in _OF_EACH] for name, p in data.get(table, {}).items()
-        }
-    traces = [{k: v for k, v in t.items() if k not in _LABELS} for t in data["traces"]]
-    return sha256(json.dumps({**fitted, "traces": traces}, sort_keys=True).encode())
+    return {**data, **checksums(data)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,27 +101,6 @@ class _Search:
 class _Left:
     residual: FloatArray
     n: int | None = None  #: Number of samples.
-
-
-@dataclass(frozen=True, slots=True)
-class _Graded:
-    grade: Grade
-    r2: OrNaN
-    reasons: tuple[str, ...]
-    codes: tuple[Reason, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class _Judged:
-    """What was judged when the fit was made."""
-
-    parameters: Mapping[str, ParameterEstimate]
-    adequacy: _Graded
-    interval: Interval
-    interval_note: str
-    surae: str  #: The version that fitted.
-    nuisances: Mapping[str, ParameterEstimate] = field(default_factory=FrozenDict)
-    judged_by: str = ""  #: The version that gave the verdicts; older files have none.
 
 
 @filed(inputs="traces", left="traces")
@@ -185,60 +136,14 @@ def load_saved(path: PathLike) -> AssessedFit:
         bound_arrays(data)
         file = from_plain(_File, data)
         result = _result(file, data)
-        if data.get("sha256", (own := _checksum(data))) != own:
-            raise InputError("its numbers are not those that were fitted: somebody changed them")
+        check_checksums(data)
         now = assess(result, alternatives=True, quality=file.findings)
-        return AssessedFit(result, _as_judged(now, data), file.findings)
+        return AssessedFit(result, as_judged(now, data), file.findings)
     except (ArithmeticError, np.linalg.LinAlgError):
         raise InputError(f"{shown(path)}: a number in it is beyond any leg; fit again") from None
     except InputError as error:
-        raise InputError(f"{shown(path)}: {error}; fit again where this is damaged") from None
-
-
-def _as_judged(now: Assessment, data: Mapping[str, Any]) -> Assessment:
-    """The verdicts of the file; and where this version's, `now`, are others."""
-    if "adequacy" not in data or not all("ci95" in p for p in data["parameters"].values()):
-        return now  # older files have none
-    differs = []
-    moved = []
-    tables: dict[str, dict[str, Any]] = {}
-    for kind, fresh in (("parameters", now.parameters), ("nuisances", now.nuisances)):
-        if list(data.get(kind, {})) != list(fresh):
-            raise InputError(f"{kind}: others than the fit has")
-        tables[kind] = {
-            n: {**data[kind][n], "name": n, "meaning": p.meaning, "group": p.group}
-            for n, p in fresh.items()
-        }
-    saved = from_plain(_Judged, {**data, **tables})
-    if saved.adequacy.grade != now.adequacy.grade:
-        differs.append(f"the fit is {now.adequacy.grade}, not {saved.adequacy.grade}")
-    graded = saved.adequacy
-    own = {**saved.parameters, **saved.nuisances}
-    against = as_given(graded.reasons, graded.codes)
-    for name, p in {**now.parameters, **now.nuisances}.items():
-        if p.verdict != own[name].verdict:
-            differs.append(f"{name} is {p.verdict}, not {own[name].verdict}")
-        elif not _alike(p.ci95, own[name].ci95):
-            moved.append(name)
-    if moved:
-        differs.append(f"the intervals of {', '.join(moved)} are others")
-    return replace(
-        now,
-        parameters=saved.parameters,
-        nuisances=saved.nuisances,
-        adequacy=Adequacy(graded.grade, against, graded.r2),
-        version=saved.judged_by or saved.surae,
-        interval=saved.interval,
-        interval_note=saved.interval_note,
-        differs=tuple(differs),
-    )
-
-
-def _alike(one: tuple[float, float] | None, other: tuple[float, float] | None) -> bool:
-    """Whether ends of intervals differ by no more than a hundredth of a half-width."""
-    if one is None or other is None:
-        return one == other
-    return max(abs(a - b) for a, b in zip(one, other, strict=True)) <= _ALIKE * (one[1] - one[0])
+        why = cleaned(str(error), _REASON)
+        raise InputError(f"{shown(path)}: {why}; fit again where this is damaged") from None
 
 
 def _result(file: _File, data: Mapping[str, Any]) -> FitResult:

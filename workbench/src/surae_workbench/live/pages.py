@@ -20,7 +20,14 @@ from surae.api import PROFILES, TASKS, Trajectory, ready_protocols
 from surae.base.errors import InputError
 from surae.base.files import PathLike, template
 from surae.base.names import TELLING
-from surae_workbench.live.room import MAXIMUM, QUIET, Room, RoomOptions, sends_nothing
+from surae_workbench.live.room import (
+    MAXIMUM,
+    QUIET,
+    Room,
+    RoomOptions,
+    is_unclear,
+    sends_nothing,
+)
 from surae_workbench.live.showing import Showing
 from surae_workbench.live.target import KIND
 from surae_workbench.web.app import bare_app
@@ -145,13 +152,14 @@ class ServedRoom:
         message, given = trials.recorder.trouble_said
         streams = [s for s in trials.recorder.health() if s["kind"] != KIND]
         quiet = [sends_nothing(s["name"]) for s in streams if s["state"] in QUIET]
+        unclear = [is_unclear(message, given) for message, given in trials.doubts]
         return {
             "streams": streams,
             "trouble": trials.recorder.trouble,
             "trouble_said": {"message": message, "given": given},
             "roles": sorted(role for role, _, _ in self.showing.roles.values()),
             "ready": self.room.ready,
-            "alarms": [alarm.shown() for alarm in (*quiet, *self.room.alarms.active)],
+            "alarms": [alarm.shown() for alarm in (*unclear, *quiet, *self.room.alarms.active)],
         }
 
     def _frame(self, frame: dict[str, Any]) -> None:

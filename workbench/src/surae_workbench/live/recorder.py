@@ -1,6 +1,7 @@
 """Streams of the Lab Streaming Layer: taken, written to disk, then shown; lost and found again."""
 
 import json
+import re
 import threading
 import time
 from collections import deque
@@ -9,6 +10,7 @@ from contextlib import suppress
 from itertools import count
 from pathlib import Path
 from typing import Any
+from xml.sax.saxutils import escape
 
 import numpy as np
 import numpy.typing as npt
@@ -16,7 +18,9 @@ import numpy.typing as npt
 from surae.base.units import FloatArray
 from surae.base.words import N_
 from surae.processes import where
+from surae_workbench.live.identity import Identities
 from surae_workbench.live.lsl import lsl
+from surae_workbench.live.meeting import Meeting
 from surae_workbench.live.stream import Stream
 from surae_workbench.live.xdf import XdfLog
 
@@ -37,9 +41,8 @@ _SILENT = 0.5
 #: Clock measurements that a new file begins with.
 _CLOCKS = 120
 
-#: A lost stream is talked of for so long [s]; whoever is still there then has come back itself.
-_ECHO = 3.0
-
+#: A stream's name in its description.
+_NAMED = re.compile(r"<name>[^<]*</name>")
 _DISK = N_("the disk takes nothing ({why}): make room now; {seconds} s are kept in memory")
 _AGAIN = N_("a part of the recorder failed and began again; report it ({where})")
 
@@ -59,17 +62,25 @@ class Recorder:
     """Takes all streams that there are and writes them, from its start to its end.
 
     `path` is the first file; `show` gets samples once they are written, `tell` what happens;
-    `network` is as of `lsl`; sources in `but` are not taken.
+    `network` is as of `lsl`; sources in `but` are not taken; `identities` say what streams are
+    called.
     """
 
     def __init__(
-        self, path: Path, *, show: Show, tell: Tell, network: bool = False, but: Sequence[str] = ()
+        self,
+        path: Path,
+        *,
+        show: Show,
+        tell: Tell,
+        network: bool = False,
+        but: Sequence[str] = (),
+        identities: Identities | None = None,
     ) -> None:
         self._lsl = lsl(network)
         self._show = show
         self._tell = tell
-        self._but = frozenset(but)
-        self.streams: dict[str, Stream] = {}
+        self._meeting = Meeting(but, identities or Identities())
+        self.streams = self._meeting.streams
         self._lock = threading.RLock()
         self._waiting: deque[_Piece] = deque()
         self._full = ""
@@ -151,6 +162,11 @@ class Recorder:
         return (_AGAIN, {"where": self._wrong}) if self._wrong else ("", {})
 
     @property
+    def doubts(self) -> list[tuple[str, dict[str, str]]]:
+        """Why no trial can begin, as in the catalogue, and what fills it in."""
+        return self._meeting.doubts
+
+    @property
     def full(self) -> str:
         """What is wrong with the disk; empty where nothing is."""
         return self.trouble if self._full else ""
@@ -206,7 +222,7 @@ class Recorder:
             and self.clock() - stream.last_s > _SILENT
         ):
             stream.state = "silent"
-            self.note("silent", stream=stream.name)
+            self.note("silent", stream=stream.called)
 
     def _arrived(self, stream: Stream, stamps: FloatArray, values: Any) -> None:
         times = stamps + (stream.offset_s or 0.0)
@@ -229,7 +245,7 @@ class Recorder:
                 del stream.rates[0]
         if stream.state != "good":
             stream.state = "good"
-            self.note("back", stream=stream.name)
+            self.note("back", stream=stream.called)
         stream.stamp, stream.last_s = float(stamps[-1]), float(times[-1])
         if not stream.words:
             try:
@@ -245,36 +261,24 @@ class Recorder:
             stream.gaps += 1
             missing = float(steps[index])
             stream.lost_s += max(missing, 0.0)
-            self.note("gap" if missing > 0 else "jump", stream=stream.name, seconds=missing)
+            self.note("gap" if missing > 0 else "jump", stream=stream.called, seconds=missing)
 
     def _lose(self, stream: Stream) -> None:
         stream.inlet, stream.state, stream.lost_at = None, "lost", time.monotonic()
         stream.losses += 1
-        self.note("lost", stream=stream.name)
+        self.note("lost", stream=stream.called)
 
     def _meet(self) -> None:
         """Find streams, new ones and those that were lost."""
         resolver = self._lsl.ContinuousResolver(forget_after=2.0)
         while not self._ended.wait(0.05):
-            for info in resolver.results():
-                # Several streams of one program may have the same source.
-                source = info.source_id() or info.hostname()
-                key = f"{source} {info.name()} {info.type()}"
-                stream = self.streams.get(key)
-                if source in self._but or (stream is not None and stream.inlet is not None):
+            for info in self._meeting.wanted(resolver.results()):
+                try:
+                    self._open(info)
+                except RuntimeError:  # it is gone again, or does not answer
                     continue
-                # One that has just gone is still talked of for a while.
-                if (
-                    stream is None
-                    or stream.uid != info.uid()
-                    or time.monotonic() - stream.lost_at > _ECHO
-                ):
-                    try:
-                        self._open(key, info)
-                    except RuntimeError:  # it is gone again, or does not answer
-                        continue
-                    except Exception as error:  # one stream's trouble is not that of others
-                        self._wrong = f"{info.name()}: {where(error)}"
+                except Exception as error:  # one stream's trouble is not that of others
+                    self._wrong = f"{info.name()}: {where(error)}"
 
     def _measure(self) -> None:
         """Measure the clocks of all streams, in a circle."""
@@ -299,50 +303,39 @@ class Recorder:
             if stream.number in self._names:
                 self._write(lambda log: log.clock(stream.number, now, offset))
 
-    def _open(self, key: str, info: Any) -> None:
+    def _open(self, info: Any) -> None:
         """Take a stream, one that was lost or a new one; RuntimeError where it does not answer."""
         inlet = self._lsl.StreamInlet(info, max_buflen=60, recover=False)
         whole = inlet.info(2.0)
-        if whole.uid() != info.uid():  # another one answers at the address of one that has gone
+        uid = whole.uid()
+        if uid != info.uid():  # another one answers at the address of one that has gone
+            return
+        stream = Stream.of(next(self._numbers), whole)
+        if self._meeting.is_alike(stream, uid):
             return
         inlet.open_stream(2.0)
         with self._lock:
-            before = self.streams.get(key)
-            stream = Stream.of(next(self._numbers), whole)
-            if before is not None and before.layout == stream.layout:
-                stream = before
-                stream.clocks.clear()  # its computer may have been started again
-            elif before is None:
-                self.note("stream", stream=stream.name, rate_hz=stream.rate_hz)
-            else:
-                stream.losses = before.losses
-                stream.remark = (
-                    f"came back as another stream ({stream.layout_text}; before: "
-                    f"{before.layout_text})"
-                )
-                self.note(
-                    "layout",
-                    stream=stream.name,
-                    remark=stream.remark,
-                    split=before.number in self._names,
-                )
-            self.streams[key] = stream
-            stream.uid = whole.uid()
+            stream = self._meeting.take(stream, uid, self._met)
             stream.inlet = inlet
+
+    def _met(self, event: str, **data: Any) -> None:
+        """Note a stream that is new, or in the place of another of which this file has samples."""
+        if "number" in data:
+            data["split"] = data.pop("number") in self._names
+        self.note(event, **data)
 
     def _describe(self, stream: Stream) -> None:
         """Tell the file what a stream is, and what is known of its clock.
 
         Each has a name of its own in a file, so that no column stands for two.
         """
-        name = stream.name
-        xml = stream.xml
+        name = stream.called
         for other in count(2):
             if name not in self._names.values():
                 break
-            name = f"{stream.name} ({other})"
-            end = f" ({other})</name>"
-            xml = stream.xml.replace("</name>", end, 1)
+            name = f"{stream.called} ({other})"
+        named = f"<name>{escape(name)}</name>"
+        xml = _NAMED.sub(lambda _: named, stream.xml, count=1)
         self._names[stream.number] = name
         self._write(lambda log: log.stream(stream.number, xml))
         for now, offset in list(stream.clocks):

@@ -219,6 +219,7 @@ class Room:
         return (
             not self._lock.locked()
             and self.trials.warm.done()
+            and not self.trials.doubts
             and (self.laboratory is None or self.laboratory.ready)
         )
 
@@ -325,6 +326,11 @@ class Room:
         if self.trials.running == number:
             with suppress(InputError):  # somebody stopped it at this moment
                 self.stop()
+
+
+def is_unclear(message: str, given: dict[str, str]) -> Alarm:
+    """The alarm of streams of which nobody knows which is which."""
+    return Alarm("streams", None, message, given)
 
 
 def sends_nothing(stream: str) -> Alarm:

@@ -11,6 +11,7 @@ import numpy as np
 
 from surae.base.cleaning import cleaned
 from surae.base.units import FloatArray
+from surae_workbench.live.identity import Identity
 
 #: LSL's names of the formats of numbers, by the number that LSL gives them; 3 are words.
 _FORMATS = {1: "float32", 2: "float64", 3: "text", 4: "int32", 5: "int16", 6: "int8", 7: "int64"}
@@ -63,6 +64,10 @@ class Stream:
     clocks: list[tuple[float, float]] = field(default_factory=list)
     stamp: float | None = None
     rates: list[tuple[float, int]] = field(default_factory=list)
+    source: str = ""  #: Which program sends it, as it says; empty where it says nothing.
+    #: What it is called where others have its name; empty where none has.
+    told: str = ""
+    key: tuple[str, ...] = ()  #: What LSL tells of it before it is asked.
 
     @classmethod
     def of(cls, number: int, info: Any) -> "Stream":
@@ -84,6 +89,8 @@ class Stream:
             words=_FORMATS.get(kind) == "text",
             xml="",
             format=kind,
+            source=cleaned(info.source_id(), _NAME),
+            key=key_of(info),
         )
         stream.xml = _cleaned_xml(info.as_xml()) or stream.described()
         return stream
@@ -101,6 +108,16 @@ class Stream:
             f"{self.rate_hz!r}</nominal_srate><channel_format>{kind}</channel_format><desc>"
             f"<channels>{''.join(each)}</channels></desc></info>"
         )
+
+    @property
+    def identity(self) -> Identity:
+        """What it is known by."""
+        return Identity(self.name, self.source, self.kind, tuple(self.labels), self.host)
+
+    @property
+    def called(self) -> str:
+        """What it is called everywhere."""
+        return self.told or self.name
 
     @property
     def layout(self) -> tuple[object, ...]:
@@ -121,7 +138,7 @@ class Stream:
     @property
     def columns(self) -> list[str]:
         """Its channels as the reader of XDF calls them."""
-        return [f"{self.name}: {label}" for label in self.labels]
+        return [f"{self.called}: {label}" for label in self.labels]
 
     def mended(self, stamps: FloatArray, now: float) -> FloatArray:
         """Time stamps, those that are none replaced by what their neighbours or our time say."""
@@ -144,7 +161,7 @@ class Stream:
         if len(self.rates) > 1 and self.rates[-1][0] > self.rates[0][0]:
             rate = (self.rates[-1][1] - self.rates[0][1]) / (self.rates[-1][0] - self.rates[0][0])
         return {
-            "name": self.name,
+            "name": self.called,
             "kind": self.kind,
             "channels": self.labels,
             "units": self.units,
@@ -161,6 +178,11 @@ class Stream:
             "offset_ms": None if self.offset_s is None else 1e3 * self.offset_s,
             "age_s": None if self.last_s is None else max(now - self.last_s, 0.0),
         }
+
+
+def key_of(info: Any) -> tuple[str, ...]:
+    """What LSL tells of a stream before it is asked: name, source, type and computer."""
+    return info.name(), info.source_id(), info.type(), info.hostname()
 
 
 def _cleaned_xml(text: str) -> str:

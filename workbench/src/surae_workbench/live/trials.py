@@ -6,7 +6,6 @@ verdict in its JSON broke off: the next start says so, mends and judges it. One 
 folder at a time, and to nothing outside of it.
 """
 
-import json
 import re
 import sqlite3
 import stat
@@ -20,24 +19,23 @@ from typing import Any, TypedDict
 
 from pydantic import ValidationError
 
-from surae.api import ROLES
 from surae.base.cleaning import cleaned
 from surae.base.database import lock
 from surae.base.errors import InputError, SuraeError
 from surae.base.files import PathLike, is_link, shown, write_atomic
-from surae.base.units import FACTORS, kind
-from surae.base.units import plain as plain_unit
 from surae.processes import Child, End
+from surae_workbench.live.identity import STREAMS, TWICE, Identities
+from surae_workbench.live.mapping import columns_of, mapping_of
 from surae_workbench.live.record import MOST, Judgement, Record, read_record, repaired, said_in
 from surae_workbench.live.recorder import Recorder, Show, Tell
-from surae_workbench.live.stream import Stream
-from surae_workbench.live.target import KIND
 from surae_workbench.live.xdf import mended_xdf
 
 #: After the end of a trial, the samples of its last moments are waited for so long at most [s].
 _LATE = 0.25
 #: A trial is held against so many others at most: it must not be judged later and later.
 _EARLIER = 8
+#: What a recording leaves in its folder beside trials, as a pattern.
+_OURS = r"live\.lock|mapping\.toml|joint\.json|streams\.json"
 
 
 def silent(*what: object) -> None:
@@ -80,6 +78,7 @@ class Trials:
         self._mapping = None if mapping is None else Path(mapping)
         self.joint = joint
         self._made = ""
+        self._begun_with = ""
         self._judge, self._refine = Child(calls=None), Child(nice=10, calls=None)
         self._work = ThreadPoolExecutor(1, "live-judge")
         self._later = ThreadPoolExecutor(1, "live-refine")
@@ -105,8 +104,14 @@ class Trials:
                 opened.callback(held.close)
                 unjudged = self._known()
                 first = self._between()
+                self._identities = Identities(self.file(STREAMS), columns_of(self._mapping))
                 self.recorder = Recorder(
-                    first, show=show, tell=self._tell, network=network, but=but
+                    first,
+                    show=show,
+                    tell=self._tell,
+                    network=network,
+                    but=but,
+                    identities=self._identities,
                 )
             except (OSError, sqlite3.Error) as error:
                 why = getattr(error, "strerror", None) or str(error)
@@ -124,8 +129,10 @@ class Trials:
         with self._lock:
             if self.running is not None:
                 raise InputError(f"trial {self.running} is running; stop it first")
-            if trouble := self.recorder.full:
+            wrong = [message.format(**given) for message, given in self.doubts]
+            if trouble := self.recorder.full or " ".join(wrong):
                 raise InputError(f"no trial is started: {trouble}")
+            self._begun_with = self._own_mapping()
             number = self._free()
             while True:  # somebody else may make the same file at this moment
                 try:
@@ -195,6 +202,8 @@ class Trials:
             if number is None:
                 raise InputError("no trial is running; start one first")
             self._drop_together()
+            if self._begun_with != self._own_mapping():
+                self._keep_mapping(number)
         ended = time.monotonic()
         now = self.recorder.clock()
         self.recorder.note("stop", trial=number)
@@ -222,12 +231,39 @@ class Trials:
         if self._mapping is not None:
             return self._mapping
         own = self.folder / "mapping.toml"
-        text = mapping_of(list(self.recorder.streams.values()))
-        if text and text != self._made:
+        text, twice = mapping_of(list(self.recorder.streams.values()))
+        if self.running is None and twice:  # what is there is of one of them
+            return None
+        if self.running is None and text and text != self._made:
             with suppress(SuraeError):  # the disk is full; what is there is used
                 write_atomic(self.file("mapping.toml"), text)
                 self._made = text
         return own if own.exists() else None
+
+    @property
+    def doubts(self) -> list[tuple[str, dict[str, str]]]:
+        """Why no trial can begin: which stream is which; as in the catalogue, and its values."""
+        self._identities.columns = columns_of(self._mapping) or self._identities.columns
+        doubts = self.recorder.doubts
+        if self._mapping is None:
+            _, twice = mapping_of(list(self.recorder.streams.values()))
+            doubts += [
+                (TWICE, {"role": role, "names": " / ".join(columns)})
+                for role, columns in twice.items()
+            ]
+        return doubts
+
+    def _own_mapping(self) -> str:
+        """What the mapping says now that the streams' own names make; empty of a given one."""
+        if self._mapping is not None:
+            return ""
+        return mapping_of(list(self.recorder.streams.values()))[0]
+
+    def _keep_mapping(self, number: int) -> None:
+        """Keep the mapping that a trial began with beside it: what streams say has changed."""
+        if self._begun_with:
+            with suppress(SuraeError, OSError):
+                write_atomic(self.path(number, "-mapping.toml"), self._begun_with)
 
     def _write(self, number: int, **changes: Any) -> Record:
         """Change a trial's record; a function gets the record as it is now."""
@@ -290,6 +326,8 @@ class Trials:
         if mapping is None and not taken:
             raise InputError("the streams do not say which channel is which; give a --mapping")
         target = self.path(number, "-target.csv")
+        if (began := self.path(number, "-mapping.toml")).exists():
+            mapping = began
         return {
             "file": str(source),
             "output": str(self.path(number, ".h5")),
@@ -310,6 +348,7 @@ class Trials:
                 "the recording: record the trial again."
             )
             self._write(number, split=what)
+            self._keep_mapping(number)
         self._told(event, data)
 
     def _keep(self, number: int, *, judged: bool = True) -> None:
@@ -450,7 +489,9 @@ class Trials:
 def _refuse_shared(folder: Path) -> None:
     """Refuse links and files that lie elsewhere too: what is written here stays here."""
     for path in folder.iterdir():
-        ours = re.match(r"(trial|between)-|(live\.lock|mapping\.toml|joint\.json)$", path.name)
+        ours = re.match(
+            r"(trial|between)-|(live\.lock|mapping\.toml|joint\.json|streams\.json)$", path.name
+        )
         state = path.lstat()
         own = stat.S_ISREG(state.st_mode) and state.st_nlink == 1
         if is_link(path) or (ours and not own):
@@ -466,26 +507,6 @@ def _set_aside(path: Path) -> None:
     while (aside := path.with_name(f"{path.name}.damaged-{number}")).exists():
         number += 1
     path.rename(aside)
-
-
-def mapping_of(streams: list[Stream]) -> str:
-    """A mapping for streams that name their channels as we do: ``angle``, ``emg_ta``, with a unit.
-
-    Empty where the angle is not among them, or two say that they are the same.
-    """
-    lines: dict[str, str] = {}
-    for stream in streams:
-        for column, label, unit in zip(stream.columns, stream.labels, stream.units, strict=True):
-            role = plain_unit(label)
-            known = plain_unit(unit)
-            if role not in ROLES or known not in FACTORS[kind(role)] or stream.kind == KIND:
-                continue
-            if role in lines:
-                return ""
-            lines[role] = (
-                f"[channels.{role}]\ncolumn = {json.dumps(column)}\nunit = {json.dumps(known)}\n"
-            )
-    return "".join(lines.values()) if "angle" in lines else ""
 
 
 def _now() -> str:

@@ -18,7 +18,10 @@ if TYPE_CHECKING:
 def versions_of(bench: "Workbench", draft: Mapping[str, Any]) -> dict[str, int]:
     """Which descriptions of its recordings a draft is about."""
     ids = [*draft["recordings"], *draft["mvc"]]
-    return {id_: bench.project.need("recording", id_).get("version", 0) for id_ in ids}
+    rows = [bench.project.need("recording", id_) for id_ in ids]
+    for row in rows:  # what is read from memory here, a job reads from its file
+        bench.project.recording_path(row)
+    return {row["id"]: row.get("version", 0) for row in rows}
 
 
 def check_draft(bench: "Workbench", draft: dict[str, Any]) -> None:

@@ -63,6 +63,8 @@ class Project:
             raise InputError(
                 f"{where} is in use by another `surae serve`; stop it, or give another folder"
             )
+        #: Checksums of files that were compared, and how the files looked then.
+        self._seen: dict[Path, tuple[object, tuple[int, ...]]] = {}
         with ExitStack() as opened:
             opened.callback(held.close)
             self._places = self._identities()
@@ -112,10 +114,32 @@ class Project:
         """The file of an entry, by its kind; of a recording, as it was imported."""
         return self.path(FILES[kind][0], id_, FILES[kind][1])
 
+    def kept(self, kind: str, id_: str) -> Path:
+        """The file of an entry that has to be there, refused where it is another than was kept."""
+        row = self.need(kind, id_)
+        return self._same(self.file(kind, id_), row.get("sha256"), kind)
+
     def recording_path(self, recording: Mapping[str, Any]) -> Path:
-        """The file of a recording as it is described now."""
-        suffix = recording_suffix(recording.get("version", 0))
-        return self.path("recordings", recording["id"], suffix)
+        """The file of a recording as it is described now, refused as `kept` does."""
+        version = recording.get("version", 0)
+        path = self.path("recordings", recording["id"], recording_suffix(version))
+        checksum = recording.get("version_sha256" if version else "sha256")
+        return self._same(path, checksum, "recording")
+
+    def _same(self, path: Path, checksum: object, kind: str) -> Path:
+        """The file, if its checksum is the one that was kept; older projects kept none."""
+        with suppress(OSError):  # whoever opens it says that it is missing
+            state = path.stat()
+            now = (state.st_mtime_ns, state.st_ctime_ns, state.st_size, state.st_ino)
+            if checksum and self._seen.get(path) != (checksum, now):
+                if sha256_of(path) != checksum:
+                    raise RefusedError(
+                        409,
+                        f"the file of this {kind} is not the one that was kept: files were "
+                        "exchanged, or it is damaged; `surae project check` tells which",
+                    )
+                self._seen[path] = (checksum, now)
+        return path
 
     def hidden(self, text: str) -> str:
         """A message without where on this computer the project lies."""

@@ -28,7 +28,7 @@ router = APIRouter(prefix="/api", responses=ERRORS, tags=["recordings"])
 def get_description(id: PathId, bench: Bench) -> dict[str, Any]:
     """How it is described now, the columns to choose from, and what else is of the same kind."""
     row = bench.project.need("recording", id)
-    path = str(bench.project.file("recording", id))
+    path = str(bench.project.kept("recording", id))
     first = first_mapping(row)
     columns = bench.workers.ask("remap:imported_columns", path=path, first=first)
     named = ", ".join(file["name"] for file in row["files"])
@@ -99,7 +99,7 @@ def _made(
     bench: Workbench, row: Entry, wanted: dict[str, Any], output: str | None
 ) -> dict[str, Any]:
     """What a description makes of what was imported, kept where `output` says so."""
-    path = str(bench.project.file("recording", row["id"]))
+    path = str(bench.project.kept("recording", row["id"]))
     try:
         result: dict[str, Any] = bench.workers.ask(
             "remap:redescribed", path=path, first=first_mapping(row), wanted=wanted, output=output

@@ -84,7 +84,7 @@ offer_deletion(router, "/fits/{id}", "fit")
 def get_fit_json(id: PathId, bench: Bench) -> FileResponse:
     """FIT.json, as `surae fit --output` writes it."""
     row = bench.project.need("fit", id)
-    path = bench.project.file("fit", id)
+    path = bench.project.kept("fit", id)
     if not path.is_file():
         raise RefusedError(404, "the file of this fit is missing; fit again")
     headers = attachment(row["name"], ".json")
@@ -106,15 +106,14 @@ def post_profile(id: PathId, body: ProfileRequest, bench: Bench, browser: Browse
 @router.post("/fits/{id}/validate")
 def post_validate(id: PathId, body: ValidateRequest, bench: Bench) -> dict[str, str]:
     """How its parameters predict other recordings, as the report shows it."""
-    bench.project.need("fit", id)
+    fit = str(bench.project.kept("fit", id))
     rows = [bench.project.need("recording", each) for each in dict.fromkeys(body.recordings)]
     others = {row["name"]: str(bench.project.recording_path(row)) for row in rows}
-    fit = str(bench.project.file("fit", id))
     return {"html": bench.workers.ask("tasks:predictions", fit=fit, recordings=others)}
 
 
 @router.get("/fits/{id}/report.{kind}", response_class=Response, responses=REPORT)
 def get_report(id: PathId, kind: Literal["html", "pdf"], bench: Bench) -> Response:
     """A fit's report: one file to keep."""
-    fit = str(bench.project.file("fit", id))
+    fit = str(bench.project.kept("fit", id))
     return report_file(bench, bench.project.need("fit", id), kind, "tasks:report", fit=fit)

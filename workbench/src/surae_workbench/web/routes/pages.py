@@ -66,8 +66,7 @@ for _page in (
 @router.get("/sessions/{id}", name="leg")
 def session_page(id: PathId, request: Request, bench: Bench, browser: Browser) -> Response:
     """A leg: what its report shows."""
-    bench.project.need("session", id)
-    kept = bench.project.file("session", id)
+    kept = bench.project.kept("session", id)
     shown = ""
     with suppress(OSError, ValueError, KeyError, TypeError, UndefinedError):  # missing, or damaged
         blocks = json.loads(kept.read_text(encoding="utf-8"))
@@ -82,10 +81,9 @@ def fit_page(id: PathId, request: Request, bench: Bench, browser: Browser) -> Re
     name = bench.project.need("fit", id)["name"]
     problem = ""
     shown = ""
-    fit = str(bench.project.file("fit", id))
 
     def make() -> bytes:
-        part: str = bench.workers.ask("tasks:fit_part", fit=fit)
+        part: str = bench.workers.ask("tasks:fit_part", fit=str(bench.project.kept("fit", id)))
         return part.encode()
 
     try:

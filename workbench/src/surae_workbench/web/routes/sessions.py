@@ -154,7 +154,7 @@ def get_report(
 ) -> Response:
     """Its report in the reader's language: one file to keep."""
     row = bench.project.need("session", id)
-    blocks = bench.project.file("session", id)
+    blocks = bench.project.kept("session", id)
     if not blocks.is_file():
         raise RefusedError(404, "the report of this leg is missing; analyse it again")
     own = session_summary(bench, row)
@@ -198,7 +198,7 @@ def comparison(bench: Workbench, row: Entry) -> str:
                     each.name,
                     each.visit,
                     each.side or "",
-                    str(bench.project.file("fit", each.fit or "")),
+                    str(bench.project.kept("fit", each.fit or "")),
                 )
                 for each in visits
             ],
