@@ -18,7 +18,7 @@ from surae.base.units import FloatArray
 from surae.base.words import Message
 from surae.inference import Grade
 from surae.inference.relaxed.curve import PossibleLegs, RelaxedCurve
-from surae.inference.relaxed.pair import REMOUNTED, LegPairs, paired_legs
+from surae.inference.relaxed.pair import LegPairs, paired_legs
 from surae.measures.measure import Measure
 from surae.measures.reliability import reliability_of
 from surae.measures.rest import values_of_rest
@@ -32,8 +32,8 @@ _KNOWN_SHIFT = 0.7
 _STEP = 1.0
 _FEWEST = 12
 SHIFT = "curve_shift"
-#: What makes a curve doubtful, and of which kind it is. Plate and nerve are the same at both visits,
-#: and then cancel; the joint posterior says how likely they are not, and from where on none is
+#: What makes a curve doubtful, and of which kind it is. Plate and nerve are the same at both
+#: visits, and then cancel; the joint posterior says how likely they are not, and from where on none is
 #: judged.
 _KINDS = {
     "relaxed/noisy": "noisy",

@@ -55,7 +55,7 @@ def summed(
     post = chosen.posterior
     point = chosen.mode
     original = family.original
-    inputs = family.told()
+    inputs = family.inputs_with_steps()
     V = post.covariance(point)
     against, turned = _against(post, point, original)
     contradicted = {g: c.probability for g, c in against.items() if c.probability < SAID}

@@ -114,9 +114,9 @@ class Family:
             )
         return self._thinned[rate_hz]
 
-    def told(self) -> tuple[ModelInputs, ...]:
+    def inputs_with_steps(self) -> tuple[ModelInputs, ...]:
         """The recordings as they were given, with the account of what was fitted of them."""
-        pairs = zip(self.inputs, self.given(RATE_HZ), self.original.inputs, strict=True)
+        pairs = zip(self.inputs, self.at_rate(RATE_HZ), self.original.inputs, strict=True)
         return tuple(
             replace(whole, steps=(*whole.steps, *fitted.steps[len(same.steps) :]))
             for whole, fitted, same in pairs

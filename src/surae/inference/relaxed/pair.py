@@ -183,9 +183,7 @@ def _unlike(
     return plate, reflex
 
 
-def _staying(
-    before: RelaxedCurve, i: int, after: RelaxedCurve, j: int, *, one_leg: bool
-) -> float:
+def _staying(before: RelaxedCurve, i: int, after: RelaxedCurve, j: int, *, one_leg: bool) -> float:
     """By how much likelier two parts are together than apart, by plate and reflex.
 
     Two legs of a person have one device, and each its own nerve.
