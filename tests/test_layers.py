@@ -27,7 +27,7 @@ LAYERS = (
     ("model",),
     ("protocol",),
     ("quality",),
-    ("settings", "effects", "estimators"),
+    ("settings", "effects", "estimators", "prepared", "shorthands"),
     ("inference",),
     ("sampling", "nerve"),
     ("trials",),

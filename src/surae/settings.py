@@ -12,7 +12,7 @@ from surae.base.formatting import check_known, listed
 from surae.base.frozen import FrozenDict
 from surae.base.setting import Request, documented, setting
 from surae.base.words import N_
-from surae.effects import check_estimator, check_knowledge, check_switches, differing
+from surae.effects import check_estimator, check_switches, differing
 from surae.estimators import (
     EstimatorOptions,
     LeastSquaresOptions,
@@ -23,10 +23,11 @@ from surae.estimators import (
 from surae.model.knowledge import Knowledge
 from surae.model.knowledge_priors import groups_of, priors_of
 from surae.model.options import ModelOptions, with_files
+from surae.prepared import PreparesInputs
+from surae.shorthands import priors_of_keyword, with_geometry
 
 if TYPE_CHECKING:  # what computes comes when it is needed: help reads the fields alone
-    from surae.recording import Recording
-    from surae.signals import ModelInputs, Weighting
+    from surae.signals import Weighting
 
 #: Standard deviation of an angle's zero [deg]: foot plates, malleoli and shoes are 3 to 5° off.
 _ZERO = 2.5
@@ -38,7 +39,7 @@ _OPTIONS = tuple(option.name for option in fields(ModelOptions))
 @filed(types="surae.signals", merged="estimator")
 @documented
 @dataclass(frozen=True, slots=True)
-class FitSettings(Request):
+class FitSettings(PreparesInputs, Request):
     """The settings of a fit; `of` makes them from keywords.
 
     What every fit is asked; `estimator` has what only that of its model is.
@@ -259,9 +260,9 @@ class FitSettings(Request):
         switches = with_files({n: given.pop(n) for n in _OPTIONS if n in given})
         asked = {*switches, *(differing(options) if options is not base.options else ())}
         if "priors" in given:
-            given |= _priors_of(given["priors"])
+            given |= priors_of_keyword(given["priors"])
         if given.get("knowledge") is not None:
-            given = _with_geometry(base, given, switches)
+            given = with_geometry(base.model, base.options, given, switches)
         asked_of_it = {name: given.pop(name) for name in names_of() if name in given}
         estimator = replace(base.estimator, **asked_of_it)
         made = replace(base, **given, estimator=estimator, options=replace(options, **switches))
@@ -343,63 +344,6 @@ class FitSettings(Request):
         given = self.parameters
         return frozenset(name for drive in given for name in OPTIONAL.get(drive, (drive,)))
 
-    def inputs(
-        self,
-        recordings: "Sequence[Recording | ModelInputs]",
-        mvc: "Sequence[Recording | ModelInputs]" = (),
-    ) -> "tuple[ModelInputs, ...]":
-        """What the model reads of recordings: prepared, normalised, weighted.
-
-        Parameters
-        ----------
-        recordings : sequence of Recording or ModelInputs
-            What is to be fitted; model inputs are prepared already.
-        mvc : sequence of Recording or ModelInputs
-            Maximum voluntary contractions, for ``normalise="mvc"``.
-
-        Returns
-        -------
-        tuple of ModelInputs
-            For `make_problem`.
-
-        Raises
-        ------
-        InputError
-            A recording cannot be prepared so.
-        """
-        from surae.signals import normalise, settled, weighted
-
-        made: tuple[ModelInputs, ...] = tuple(self.prepare(recording) for recording in recordings)
-        if self.normalise is not None:
-            made = normalise(made, self.normalise, mvc=[self.prepare(each) for each in mvc])
-        elif mvc:
-            raise InputError("mvc has no effect without normalise='mvc'; give both")
-        made = settled(made)
-        return made if self.weights is None else weighted(made, self.weights)
-
-    def prepare(self, recording: "Recording | ModelInputs") -> "ModelInputs":
-        """What the model reads of one recording, before EMG is normalised and samples weighted.
-
-        Parameters
-        ----------
-        recording : Recording or ModelInputs
-            Model inputs are prepared already.
-
-        Returns
-        -------
-        ModelInputs
-            The signals on one time axis.
-        """
-        from surae.model.tare import without
-        from surae.signals import ModelInputs, Preparation, prepare
-
-        if isinstance(recording, ModelInputs):
-            return recording
-        how = Preparation().updated(self.preparation)
-        made = prepare(recording, how, prepared=self.prepared)
-        plate = None if self.knowledge is None else self.knowledge.plate
-        return made if plate is None else without(plate, made)
-
     @classmethod
     def type_of_merged(cls, plain: Mapping[str, Any]) -> type[EstimatorOptions]:
         """Say whose options a file's settings have; what older files say of others is nothing.
@@ -425,30 +369,3 @@ class FitSettings(Request):
 
 #: Records of all that a fit may be asked, by the names of their fields.
 FIT_RECORDS = (FitSettings, LeastSquaresOptions, PosteriorOptions, ModelOptions)
-
-
-def _with_geometry(
-    base: FitSettings, given: dict[str, Any], switches: dict[str, Any]
-) -> dict[str, Any]:
-    """Keywords with the knowledge that they name as a file.
-
-    A geometry in it is put among the model's `switches` where there is no other.
-    """
-    from surae.model.knowledge_file import knowledge_of
-
-    known = knowledge_of(given["knowledge"])
-    check_knowledge(base.model, known)
-    own = known.table is not None and base.options.geometry == ModelOptions().geometry
-    own = own and switches.setdefault("geometry", known.table) is known.table
-    if own and base.model == names.AUTO:
-        given.setdefault("geometry_of", known.geometry_of)
-    return {**given, "knowledge": known}
-
-
-def _priors_of(given: Any) -> dict[str, Any]:
-    """The fields that the keyword `priors` of `surae.fit` stands for."""
-    population, known = given if isinstance(given, tuple) else (None, given)
-    if isinstance(known, str):
-        population = known
-        known = {}
-    return {"priors": known or {}} | ({} if population is None else {"population": population})

@@ -26,6 +26,12 @@ def one(noisy, subject):
     return fit_problem(make_problem([thinned(noisy, 3)], fixed=fixed), starts=1)
 
 
+@pytest.fixture
+def at_fitted_arms(monkeypatch):
+    """Draws at the arms and paths of the fit, as profiles are; others: test_arms_and_paths.py."""
+    monkeypatch.setattr("surae.sampling.sample.arms_and_paths", lambda _: None)
+
+
 def quantiles(grid, log_density):
     """2.5, 50 and 97.5 % quantiles of a density on a grid."""
     density = np.exp(log_density - log_density.max())
@@ -62,6 +68,7 @@ def test_inflated_noise_widens_posterior_and_covariance_alike(one):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("at_fitted_arms")
 def test_a_whole_fit_is_the_same_on_any_number_of_cores(fitted, tmp_path):
     first = sample(fitted, workers=1, **FEW)
     again = sample(fitted, workers=2, **FEW)
@@ -118,6 +125,7 @@ def test_what_has_no_posterior(one):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("at_fitted_arms")
 def test_where_the_model_is_nearly_linear_all_three_intervals_agree(fitted):
     found = sample(fitted, **MANY)
     assert found.status == "reliable", found.message

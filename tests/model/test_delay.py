@@ -188,11 +188,8 @@ def test_drives_are_data_of_the_model(name) -> None:
     alone = {n for group in COMPLIANT_ALONE for n in OPTIONAL[group]}
     own = [p for p in OPTIONAL_PARAMETERS if spec.parent or p.name not in alone]
     assert everything.parameters == (*spec.parameters, *own)
-    linear = (
-        (*added, "torque_zero", *OPTIONAL["plate"], *OPTIONAL["joint_spring"], "joint_damping")
-        if spec.linear
-        else ()
-    )
+    linear = (*added, *(p.name for p in own if p.torque)) if spec.linear else ()
+    assert not spec.linear or {"torque_zero", "joint_damping", "plate_inertia"} <= {*linear}
     assert everything.linear == (*spec.linear, *linear)
 
 

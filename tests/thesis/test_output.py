@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 
 from surae.base.errors import InputError
 from surae_thesis.claims import Claim, JudgedClaim, NotThereError, Ruling, judge
+from surae_thesis.reproduction import reproduce
 from surae_thesis.section import (
     SECTIONS,
     Context,
@@ -17,7 +18,6 @@ from surae_thesis.section import (
     counts,
     keep,
     make_folder,
-    reproduce,
     sections,
 )
 from surae_thesis.writers import cell_text, markdown, write

@@ -3,7 +3,6 @@
 from surae.recording.hdf5 import write_hdf5
 from surae.recording.inspected_channels import InspectedChannel, Inspection
 from surae.recording.inspection import inspect
-from surae.recording.mapping import Description
 from surae.recording.mapping_text import mapping_text
 from surae.recording.parts import description_of, files_of
 from surae.recording.reading import read
@@ -27,7 +26,6 @@ __all__ = [
     "MUSCLE_NAMES",
     "ROLES",
     "Channel",
-    "Description",
     "InspectedChannel",
     "Inspection",
     "Recording",

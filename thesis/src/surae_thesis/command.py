@@ -52,13 +52,14 @@ def command(
 
         check_outputs({"--markdown": markdown}, ())
     from surae.base.threads import cores
-    from surae_thesis.section import Context, chapters, make_folder, reproduce, sections
+    from surae_thesis.section import Context, chapters, make_folder, sections
 
     chosen = sections(only)
 
     folder = Path(output)
     make_folder(folder)
 
+    from surae_thesis.reproduction import reproduce
     from surae_thesis.writers import markdown as verdicts
 
     begin = time.perf_counter()

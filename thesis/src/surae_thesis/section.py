@@ -192,32 +192,6 @@ def sections(only: Sequence[str] = ()) -> list[Section]:
 Chapters = Sequence[tuple[Section, Result]]
 
 
-def reproduce(
-    context: Context,
-    chosen: Sequence[Section],
-    started: Callable[[Section], None] | None = None,
-) -> list[Path]:
-    """Run sections and write the page after each, so that what is finished is there.
-
-    The page also shows the others that have run in the folder with these settings. `started` is
-    told of each section before it runs. What was written is returned, the page first.
-
-    Raises
-    ------
-    InputError, ComputationError
-        A section cannot go on, or something cannot be written; what is finished is kept.
-    """
-    from surae_thesis.writers import write
-
-    written: list[Path] = []
-    for section in chosen:
-        if started is not None:
-            started(section)
-        keep(context, section, section.run(context))
-        written = write(context)
-    return written
-
-
 def keep(context: Context, section: Section, result: Result) -> None:
     """Write what a section found: figures as PNG and SVG, tables as CSV, the rest as JSON.
 

@@ -1,13 +1,13 @@
 """Whose recording a file is, which protocol, and which repetition of it: told by its name."""
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from surae.base.errors import InputError
 from surae.base.files import PathLike, natural_order, sha256_of, shown
-from surae.recording import Description, description_of, files_of
+from surae.recording import description_of, files_of
 from surae.trials import trial_files
 
 #: What parts a name: ``S01/holds_2`` and ``S01_holds_2`` say the same.
@@ -56,7 +56,7 @@ def find_trials(
     """
     description = None if mapping is None else description_of(mapping)
     found: dict[tuple[str, str, int], NamedTrial] = {}
-    for label, path in _labelled(sources, description):
+    for label, path in _labelled(sources, lambda at: trial_files([at], description)):
         trial = NamedTrial(*_read(label, pattern), str(path))
         key = (trial.subject, trial.protocol, trial.repetition)
         if key in found:
@@ -72,18 +72,18 @@ def find_trials(
 
 
 def _labelled(
-    sources: Iterable[PathLike], description: Description | None
+    sources: Iterable[PathLike], trials_at: Callable[[Path], Mapping[str, Path]]
 ) -> Iterator[tuple[str, Path]]:
     """Names of recordings, with the folders below a source, and their files."""
     for source in sources:
         root = Path(source)
         if not root.is_dir():
-            for name, path in trial_files([root], description).items():
+            for name, path in trials_at(root).items():
                 yield name, path
             continue
         for folder in (root, *sorted(p for p in root.rglob("*") if p.is_dir())):
             try:
-                several = trial_files([folder], description)
+                several = trials_at(folder)
             except InputError:  # none lies in this folder itself
                 continue
             inside = folder.relative_to(root).parts
