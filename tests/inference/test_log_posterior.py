@@ -8,7 +8,7 @@ import pytest
 from surae.base.errors import InputError
 from surae.base.frozen import read_only
 from surae.inference import Prior, fit_problem, make_problem
-from surae.model import MODELS, ModelOptions, adapted
+from surae.model import MODELS, ModelOptions
 from surae.sampling.density import Target, beliefs
 
 
@@ -107,7 +107,7 @@ def test_every_parameter_has_a_prior_within_the_bounds_of_a_fit(noisy, model, ge
         problem = make_problem([one], model, free=freed, options=options)
     except InputError as error:
         pytest.skip(str(error))
-    table = adapted(spec.parameters, options, unit)
+    table = problem.table
     found = beliefs(problem)
     assert list(found) == list(spec.names)
     for name, prior in found.items():

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from surae._version import __version__
 from surae.api.given import AnyRecording, read_in, several
-from surae.api.recordings import explained
+from surae.api.recordings import checks_for, explained
 from surae.base.errors import InputError
 from surae.base.files import PathLike, write_json
 from surae.base.formatting import of_interval
@@ -15,9 +15,10 @@ from surae.base.frozen import FrozenDict
 from surae.base.records import to_plain
 from surae.base.setting import is_number
 from surae.base.tables import Tabular, TextTable
+from surae.inference.judging.adequacy import of_recordings
 from surae.inference.relaxed.context import Laboratory
 from surae.inference.relaxed.curve import RelaxedCurve
-from surae.measures.at_rest import curve_of, rest_said
+from surae.measures.at_rest import curve_of, doubted_at_rest, rest_said
 from surae.measures.measure import Measure
 from surae.measures.relaxed_change import with_detectable_changes
 from surae.measures.rest import measures_of_rest
@@ -258,7 +259,8 @@ def relaxed(
         inputs = settings.inputs(parted(measured))  # as for a fit, which has the same curve
     except InputError as error:
         raise explained(error, measured) from None
-    curve = curve_of(inputs, Laboratory.of(settings))
+    reasons = of_recordings(checks_for(settings, measured))
+    curve = doubted_at_rest(curve_of(inputs, Laboratory.of(settings)), reasons)
     if not isinstance(curve, RelaxedCurve):
         raise InputError(f"{inputs[0].where}: {curve}")
     made = with_detectable_changes(measures_of_rest(curve, angles), curve, angles)

@@ -266,11 +266,7 @@ class _Run:
 
     def result(self) -> SessionResult:
         """What there is; a check finds nothing new where it says what the trial is known to be."""
-        quality = {}
-        for name, checked in self.quality.items():
-            known = _known(self.session[name])
-            findings = tuple(f for f in checked.findings if f.code not in known)
-            quality[name] = replace(checked, findings=findings)
+        quality = {name: self._new(name) for name in self.quality}
         return SessionResult(
             self.session,
             self.settings,
@@ -285,6 +281,12 @@ class _Run:
             self.nerve,
         )
 
+    def _new(self, name: str) -> Quality:
+        """What was found in a trial, but for what says again what it is known to be."""
+        known = _known(self.session[name])
+        checked = self.quality[name]
+        return replace(checked, findings=tuple(f for f in checked.findings if f.code not in known))
+
     def _wrong(self, name: str) -> Finding | None:
         """The first finding of a trial that is an error, and new; its parts have no gap."""
         known = (*_known(self.session[name]), *["time-gap"][: len(self.inputs[name]) - 1])
@@ -294,7 +296,7 @@ class _Run:
     def _of(self, names: Sequence[str]) -> tuple[tuple[ModelInputs, ...], tuple[Quality, ...]]:
         ordered = in_order_of_content(names, self.inputs)
         parts = tuple(part for name in ordered for part in self.inputs[name])
-        return parts, tuple(self.quality[name] for name in ordered)
+        return parts, tuple(self._new(name) for name in ordered)
 
     def _saved(self, file: str, names: Sequence[str]) -> Fit | None:
         """The fit in a file, where it is of these data and this question and by this surae."""

@@ -7,7 +7,9 @@ from functools import lru_cache
 
 from surae.base.threads import one_blas_thread
 from surae.base.words import Message
-from surae.inference import FitResult
+from surae.inference import AssessedFit, FitResult, Grade
+from surae.inference.judging.adequacy import OF_RECORDINGS
+from surae.inference.judging.reasons import Reason, Scope
 from surae.inference.relaxed.build import relaxed_curve
 from surae.inference.relaxed.context import Laboratory
 from surae.inference.relaxed.curve import RelaxedCurve
@@ -35,6 +37,30 @@ def relaxed_of(result: FitResult) -> RelaxedCurve | Message:
     if problem.options.anatomy != ANKLE:
         return Message("rest/joint")
     return curve_of(problem.inputs, Laboratory.of(problem.settings))
+
+
+def rest_of_fit(fit: AssessedFit) -> RelaxedCurve | Message:
+    """The relaxed curve of a fit's recordings, doubted where one of them has an error."""
+    names = {each.name.partition(",")[0] for each in fit.result.problem.inputs}
+    own = [r for r in fit.assessment.adequacy.against if r.values.get("trial") in names]
+    return doubted_at_rest(relaxed_of(fit.result), own)
+
+
+def doubted_at_rest(
+    curve: RelaxedCurve | Message, reasons: Sequence[Reason]
+) -> RelaxedCurve | Message:
+    """A curve whose recordings are doubted: angle, torque or time is not what it is taken for.
+
+    An error of EMG alone touches no rest.
+    """
+    said = [
+        reason.says
+        for reason in reasons
+        if reason.code in OF_RECORDINGS and reason.scope is Scope.ALL
+    ]
+    if not said or not isinstance(curve, RelaxedCurve):
+        return curve
+    return replace(curve, grade=Grade.DOUBTFUL, findings=(*said, *curve.findings))
 
 
 def measures_at(

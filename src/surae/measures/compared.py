@@ -14,7 +14,7 @@ from surae.base.words import Message
 from surae.inference import Adequacy, AssessedFit, FitResult, Grade
 from surae.inference.judging.reasons import Scope, scopes_of
 from surae.inference.relaxed.curve import RelaxedCurve
-from surae.measures.at_rest import relaxed_of
+from surae.measures.at_rest import rest_of_fit
 from surae.measures.compute import (
     ANGLES,
     Evaluated,
@@ -195,7 +195,7 @@ def _parameters(fit: AssessedFit, inadequate: str, *, has_reference: bool) -> di
 def _of_rest(evaluated: Evaluated, m: Measure, alone: str, fit: AssessedFit) -> Quantity:
     """A measure by rest alone: no parameter and no doubt of the fit is in it."""
     assert evaluated.deviations is not None
-    curve = relaxed_of(fit.result)
+    curve = rest_of_fit(fit)
     doubt = ""
     if isinstance(curve, RelaxedCurve) and curve.grade is not Grade.ADEQUATE:
         doubt = Message("change/rest-doubtful", reason=curve.findings[0])

@@ -20,7 +20,7 @@ from surae.inference.judging.reasons import OF_STIFFNESS, Scope, scopes_of
 from surae.inference.judging.verdict import ANGLE, PART, verdict_of
 from surae.inference.relaxed.curve import RelaxedCurve
 from surae.inference.uncertainty.combined import ZERO, Uncertainty
-from surae.measures.at_rest import measures_at, relaxed_of, rest_said
+from surae.measures.at_rest import measures_at, rest_of_fit, rest_said
 from surae.measures.conflict import LEVEL, compared_angles, disagreement
 from surae.measures.leg import Leg, NotDefinedError, leg_of, measured_range, of_any_path
 from surae.measures.measure import Measure, Measures
@@ -161,7 +161,7 @@ def measures(fit: AssessedFit, angles: Sequence[float] = ANGLES) -> Measures:
     """All measures of a fit, those of angles at these [deg]; what it lacks has a reason instead."""
     judged = judged_measures(fit, points(angles))
     by_name = FrozenDict((measure.name, measure) for _, measure in judged)
-    rest = rest_said(relaxed_of(fit.result), two_tissues(fit))
+    rest = rest_said(rest_of_fit(fit), two_tissues(fit))
     return Measures(fit.result.problem.spec.name, fit.assessment.adequacy, by_name, rest)
 
 
@@ -170,7 +170,7 @@ def judged_measures(
     fit: AssessedFit, wanted: tuple[MeasurePoint, ...]
 ) -> tuple[tuple[Evaluated, Measure], ...]:
     """All these measures of a fit: by rest alone what its rest tells, the others by its model."""
-    curve = relaxed_of(fit.result)
+    curve = rest_of_fit(fit)
     if not isinstance(curve, RelaxedCurve):
         return measures_by_model(fit, wanted)
     angles = tuple(dict.fromkeys(p.at for p in wanted if p.definition.at == "deg"))
@@ -187,7 +187,7 @@ def judged_measures(
 @lru_cache(maxsize=4)
 def two_tissues(fit: AssessedFit) -> Message | None:
     """That rest and the fit tell two tissues, where they do; see `surae.measures.conflict`."""
-    curve = relaxed_of(fit.result)
+    curve = rest_of_fit(fit)
     if not isinstance(curve, RelaxedCurve) or curve.grade is not Grade.ADEQUATE:
         return None
     angles = compared_angles(curve)

@@ -161,7 +161,7 @@ def _summary(fit: AssessedFit, traces: Sequence[Traces]) -> block.Section:
         lead=f"Fit {_BOUNDS if result.status == 'at-bounds' else result.status}.",
     )
     blocks: tuple[block.Block, ...] = (
-        adequacy_words(assessment.adequacy),
+        adequacy_words(assessment.adequacy, fit.quality),
         status,
         _key(fit, rms),
         *block.paragraphs(summary(fit)),

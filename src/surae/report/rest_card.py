@@ -7,7 +7,7 @@ from surae.base.formatting import short
 from surae.inference import AssessedFit, Grade
 from surae.inference.relaxed.curve import RelaxedCurve
 from surae.measures import Measure, Measures
-from surae.measures.at_rest import relaxed_of
+from surae.measures.at_rest import rest_of_fit
 from surae.measures.norms import Norm
 from surae.report import block
 from surae.report.figures import Figure
@@ -42,7 +42,7 @@ def rest_card(
 ) -> RestCard | None:
     """The card of a leg whose rest tells its stiffness at an angle [deg]; None for others."""
     m = of_fit.get(f"{_LEADS}@{at:g}deg")
-    curve = relaxed_of(fit.result)
+    curve = rest_of_fit(fit)
     if m is None or not isinstance(curve, RelaxedCurve) or not _tells(m):
         return None
     assert m.value is not None

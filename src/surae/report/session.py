@@ -121,7 +121,9 @@ def _details(
             figures["holds"] = holds_figure(traced)
             details.append(holds_section(traced))
         details.append(
-            block.Section("The fit", (adequacy_words(shown.assessment.adequacy),), "fit")
+            block.Section(
+                "The fit", (adequacy_words(shown.assessment.adequacy, shown.quality),), "fit"
+            )
         )
         details += known_section(shown.result)
         if answers.measures is not None:

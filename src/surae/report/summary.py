@@ -46,7 +46,7 @@ def fit_table(fit: AssessedFit, width: int = 100) -> TextTable:
     """
     result = fit.result
     assessment = fit.assessment
-    words = adequacy_words(assessment.adequacy)
+    words = adequacy_words(assessment.adequacy, fit.quality)
     listed = estimates_table(shown_parameters(assessment))
     groups = [_notes(assessment), _helps(fit), _closing(fit)]
     return replace(

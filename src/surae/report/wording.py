@@ -1,9 +1,12 @@
 """The plain-language summary and the adequacy: what may be taken from a fit, and what not."""
 
+from collections.abc import Sequence
+
 from surae.base.formatting import percentage
 from surae.inference import AssessedFit, Assessment, Interval
 from surae.inference.judging.adequacy import Adequacy, Grade
 from surae.inference.judging.assessment import outdated
+from surae.quality import Quality
 from surae.report import block
 from surae.report.provenance import emphasis_text
 
@@ -26,13 +29,28 @@ _WORDS = {
 }
 
 
-def adequacy_words(adequacy: Adequacy) -> block.AdequacyWords:
-    """Say what a fit is good for; the same words on screen, on paper and in the workbench."""
+#: What is said in place of the above where recordings have findings that stop nothing.
+_WITH_WARNINGS = (
+    "Adequate: the model follows the torque’s changes (centred R² {r2} %). Look first at what the "
+    "checks warn of: {codes}."
+)
+
+
+def adequacy_words(adequacy: Adequacy, quality: Sequence[Quality] = ()) -> block.AdequacyWords:
+    """Say what a fit is good for; the same words on screen, on paper and in the workbench.
+
+    `quality` is what was found in its recordings: that nothing speaks against it is to be earned.
+    """
     mark, sentence = _WORDS[adequacy.grade]
+    warned = [f.code for trial in quality for f in trial.findings if f.severity != "info"]
+    if adequacy.grade is Grade.ADEQUATE and warned:
+        sentence = _WITH_WARNINGS
     return block.AdequacyWords(
         grade=str(adequacy.grade),
         mark=mark,
-        sentence=sentence.format(r2=percentage(adequacy.r2)),
+        sentence=sentence.format(
+            r2=percentage(adequacy.r2), codes=", ".join(dict.fromkeys(warned))
+        ),
         reasons=adequacy.reasons,
     )
 

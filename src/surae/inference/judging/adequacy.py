@@ -67,6 +67,10 @@ _SURE = 2.5
 _UNEXPRESSED = 0.03
 #: Findings of which the torque at rest knows nothing.
 _OF_EMG = ("electrodes-swapped", "emg-unit")
+#: Reasons that are errors of recordings.
+OF_RECORDINGS = ("not-as-stated", "error-stands")
+#: Findings that a fit meets otherwise: it is of the parts between gaps, and judges what moves.
+_MET_OTHERWISE = ("time-gap", "angle-still")
 #: Below this cut-off [Hz] EMG is taken for what the muscle makes of it.
 _ACTIVATION_HZ = 2.0
 
@@ -118,7 +122,7 @@ def judge_adequacy(result: FitResult, quality: Sequence[Quality] = ()) -> Adequa
     if result.status == "failed" or not np.isfinite(r2):
         return _graded([against("failed", grave=True)], r2)
     reasons = [
-        *_not_as_stated(quality),
+        *of_recordings(quality),
         *_goodness(r2),
         *_movement(inputs, result.problem.options.anatomy),
         *_effort(result),
@@ -131,6 +135,11 @@ def judge_adequacy(result: FitResult, quality: Sequence[Quality] = ()) -> Adequa
         *_unlike(result, odd),
     ]
     return _graded(reasons, r2)
+
+
+def of_recordings(quality: Sequence[Quality]) -> tuple[Reason, ...]:
+    """What errors of its recordings say against whatever is made of them."""
+    return (*_not_as_stated(quality), *_errors(quality))
 
 
 def _graded(reasons: Iterable[Reason], r2: float) -> Adequacy:
@@ -164,6 +173,20 @@ def _not_as_stated(quality: Sequence[Quality]) -> Iterator[Reason]:
                 trial=trial.recording,
                 code=code,
             )
+
+
+def _errors(quality: Sequence[Quality]) -> Iterator[Reason]:
+    """Any other error that stands, of each recording the first."""
+    for trial in quality:
+        found = [
+            f
+            for f in trial.findings
+            if f.severity == "error" and f.code not in (*NOT_AS_STATED, *_MET_OTHERWISE)
+        ]
+        if found:
+            of_emg = all((f.channel or "").startswith("emg") for f in found)
+            scope = Scope.MUSCLES if of_emg else Scope.ALL
+            yield against("error-stands", scope=scope, trial=trial.recording, what=found[0].message)
 
 
 def _range(inputs: Sequence[ModelInputs]) -> float:

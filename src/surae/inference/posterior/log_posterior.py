@@ -34,6 +34,9 @@ from surae.model.source import Gaussian
 #: Ridge under which the whole step is judged, and the shortest part of a step that is tried.
 _RIDGE = 1e-12
 _SHORTEST = 1e-3
+#: What a search's points are rounded to: in standard deviations of the priors, and of latents as
+#: they are, parts of a torque or a gain.
+_GRID = 1e-6
 #: Damping of a descent's first step, and its evaluations at most, which few ever need.
 DAMPING = 1e-3
 MOST = 40
@@ -48,6 +51,15 @@ def _damped(damping: float, part: float, begun: float, ratio: float) -> float:
     if part < begun:
         return damping * 2.0
     return max(damping * eased(ratio), 1e-12) if part == 1.0 else damping
+
+
+def _rounded(each: FloatArray) -> FloatArray:
+    """Steps of a search end on a grid, so that rounding does not grow from one to the next.
+
+    Far from a mode a step doubles what two paths differ by, and forty of them make another valley
+    of the last digit: EMG in mV would be another leg than the same in V.
+    """
+    return np.asarray(np.round(each / _GRID) * _GRID)
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,9 +113,9 @@ class Point:
         slow = []
         fast = []
         for c, w, b in zip(self.c, self.w, self.blocks, strict=True):
-            slow.append(c - part * b.step_c - b.solved @ moved)
+            slow.append(_rounded(c - part * b.step_c - b.solved @ moved))
             both = np.concatenate([moved[b.at], slow[-1] - c, [part]])
-            fast.append(w - b.followed(both[:, None])[:, 0])
+            fast.append(_rounded(w - b.followed(both[:, None])[:, 0]))
         return tuple(slow), tuple(fast)
 
 
@@ -367,7 +379,8 @@ class LogPosterior(Coordinates):
 
     def _trial(self, here: Point, step: FloatArray, part: float) -> Point:
         """The point a part of a step leads to; of infinite cost where nothing can be computed."""
-        z = self.curved(here.z, part * step)
+        away = _rounded((self.curved(here.z, part * step) - self.mean) * self.weight)
+        z = np.clip(self.mean + away / self.weight, self.lower, self.upper)
         try:
             return self._point(z, *here.latents_at(z, part))
         except FloatingPointError:
