@@ -117,6 +117,7 @@ def _curve(
         tuple(message for _, message in sorted(found, key=lambda each: not each[0])),
         _samples(estimate, (shares @ means)[inner:]),
         estimate.rest.by == "declared",
+        dict(estimate.rest.levels),
     )
 
 
