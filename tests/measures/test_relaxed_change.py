@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import surae
-from relaxed_ankle import Ankle, measured
+from relaxed_ankle import Ankle, measured, movement, with_emg
 from surae.base.errors import InputError
 from surae.base.words import Message
 from surae.cli import main
@@ -153,3 +153,30 @@ def test_the_command_compares_folders_of_recordings(tmp_path, monkeypatch, capsy
     (tmp_path / "empty").mkdir()
     with pytest.raises(InputError, match="neither a session nor recordings"):
         surae.change(tmp_path / "empty", tmp_path / "after")
+
+
+def quiet(level, seed=0, beside=0.0):
+    """A trial without an effort, in which the soleus shows a steady EMG."""
+    time = np.zeros((len(movement()[0]), 4))
+    time[:, 2] = level
+    return measured(BEFORE, seed, emg=time, beside=beside)
+
+
+def test_a_tone_that_comes_without_an_effort_is_no_change() -> None:
+    """It looks like rest at each visit; that its electrode is louder withholds the change."""
+    change = surae.change(quiet(0.0), quiet(8e-6, 1, TONE), question=["torque_rise"])
+    assert change.measures["torque_rise"].verdict is ChangeVerdict.NOT_COMPARABLE
+    assert change.changed == ()
+    assert "the electrode of SOL shows 5.0 times as much" in str(change.multiplicity)
+    # whatever the unit of the EMG
+    scaled = [with_emg(each, 1e-3) for each in (quiet(0.0), quiet(8e-6, 1, TONE))]
+    assert surae.change(*scaled).changed == ()
+
+
+def test_a_steady_electrode_at_both_visits_withholds_nothing() -> None:
+    same = surae.change(quiet(8e-6), quiet(8e-6, 1), question=["torque_rise"])
+    assert same.measures["torque_rise"].verdict is ChangeVerdict.NONE_SHOWN
+
+
+#: Torque of a calf that never lets go, stronger where it is stretched [Nm].
+TONE = 6.0 * np.exp((movement()[1] - 20.0) / 15.0)

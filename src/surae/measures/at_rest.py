@@ -3,28 +3,18 @@
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import lru_cache
 
-from surae.base.threads import one_blas_thread
 from surae.base.words import Message
 from surae.inference import AssessedFit, FitResult, Grade
 from surae.inference.judging.adequacy import OF_RECORDINGS
 from surae.inference.judging.reasons import Reason, Scope
-from surae.inference.relaxed.build import relaxed_curve
+from surae.inference.relaxed.build import curve_of
 from surae.inference.relaxed.context import Laboratory
 from surae.inference.relaxed.curve import RelaxedCurve
 from surae.measures.measure import RestSaid
 from surae.measures.relaxed_change import with_detectable_changes
 from surae.measures.rest import RestMeasure, rated_measures
 from surae.model.joint import ANKLE
-from surae.signals import ModelInputs
-
-
-@one_blas_thread()
-@lru_cache(maxsize=8)
-def curve_of(inputs: tuple[ModelInputs, ...], laboratory: Laboratory) -> RelaxedCurve | Message:
-    """The relaxed curve of these recordings, or why there is none; kept, as it takes a second."""
-    return relaxed_curve(inputs, laboratory)
 
 
 def relaxed_of(result: FitResult) -> RelaxedCurve | Message:

@@ -147,7 +147,7 @@ def quantities(
         )
     if not only:
         by_name |= _parameters(fit, inadequate, has_reference=has_reference)
-    options = {n: v for n, v in problem.options.as_dict().items() if n != "emg_ref"}
+    options = {n: v for n, v in problem.options.as_dict().items() if n not in ("emg_ref", "tissue")}
     return Quantities(
         problem.spec.name,
         FrozenDict(options),

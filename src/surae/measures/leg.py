@@ -182,12 +182,17 @@ class Leg:
         """Torque of the joint's own tissue at an angle [Nm]."""
         of = self.values.get
         turned = degrees * _DEGREE - JOINT_RESTS + self._off
-        return of("joint_stiffness", 0.0) * turned + of("joint_torque", 0.0)
+        torque = of("joint_stiffness", 0.0) * turned + of("joint_torque", 0.0)
+        if self.options.tissue is not None:
+            torque += self.options.tissue.relaxed(degrees + self._off / _DEGREE)
+        return torque
 
-    @property
-    def joint_stiffness(self) -> float:
-        """Stiffness of the joint's own tissue [Nm/deg]."""
-        return self.values.get("joint_stiffness", 0.0) * _DEGREE
+    def joint_slope(self, degrees: float) -> float:
+        """Stiffness of the joint's own tissue at an angle [Nm/deg]."""
+        slope = self.values.get("joint_stiffness", 0.0) * _DEGREE
+        if self.options.tissue is not None:
+            slope += self.options.tissue.slope(degrees + self._off / _DEGREE)
+        return slope
 
     @property
     def _off(self) -> float:
@@ -351,11 +356,13 @@ class Leg:
     def passive_torque(self, degrees: Sequence[float], rate_hz: float) -> FloatArray:
         """Passive torque [Nm] of a leg without activity that is turned so, shape (n,)."""
         own = (*(n for n in self.spec.optional if n.startswith(_OF_LEG)), "angle_zero")
-        names, simulator = _turned(
-            self.spec.name, own, self.options, tuple(degrees), rate_hz, self._second
-        )
+        tissue = self.options.tissue
+        bare = self.options if tissue is None else replace(self.options, tissue=None)
+        names, simulator = _turned(self.spec.name, own, bare, tuple(degrees), rate_hz, self._second)
         values = {**self.values, "m": 0.0, "angle_zero": self.values.get(ZERO, 0.0)}  # no limb
         torque = simulator.torque(np.array([values[name] for name in names]))
+        if tissue is not None:
+            torque += tissue.along(np.array(degrees) + self._off / _DEGREE, rate_hz)
         return torque + self.values.get("joint_stiffness", 0.0) * self._off
 
     @cached_property

@@ -120,7 +120,7 @@ def passive_stiffness(leg: Leg, at: float) -> float:
 
     dT/dθ of passive_torque, the change of the moment arms included; muscle and tendon in series.
     """
-    return sum(_slow(leg, group, at) for group in GROUPS) + leg.joint_stiffness
+    return sum(_slow(leg, group, at) for group in GROUPS) + leg.joint_slope(at)
 
 
 def passive_stiffness_of(leg: Leg, at: float, group: str) -> float:
@@ -136,9 +136,11 @@ def joint_stiffness(leg: Leg, _: float) -> float:
 
     joint_stiffness of the model: capsule, ligaments and skin beside the muscles.
     """
+    if leg.options.tissue is not None:
+        raise NotDefinedError("none/beside-curve")
     if "joint_stiffness" not in leg.values:
         raise NotDefinedError("none/beside")
-    return leg.joint_stiffness
+    return leg.joint_slope(0.0)
 
 
 def quick_stiffness(leg: Leg, at: float) -> float:
@@ -147,7 +149,7 @@ def quick_stiffness(leg: Leg, at: float) -> float:
     dT/dθ with dF = k·exp(k·(x − x0))·dx, the high-frequency gain of equation (10).
     """
     holds = [leg.hold(group, at) for group in GROUPS]
-    return sum(hold.torque_slope(hold.quick) for hold in holds) + leg.joint_stiffness
+    return sum(hold.torque_slope(hold.quick) for hold in holds) + leg.joint_slope(at)
 
 
 def slow_torque(leg: Leg, at: float) -> float:

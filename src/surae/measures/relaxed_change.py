@@ -44,6 +44,10 @@ _KINDS = {
 }
 _SHARED = ("plate", "reflex")
 _UNLIKE = 0.1
+_SHARED = frozenset({"plate", "reflex"})
+#: Times by which an electrode may show more at one visit than at the other, of rest that is only
+#: declared: amplifiers and skin differ by less, a tone of a Nm shows more; assumed.
+_AS_LOUD = 1.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +137,27 @@ def _doubt(before: RelaxedCurve, after: RelaxedCurve, pairs: LegPairs) -> str:
         for kind, reason in _doubts(curve).items():
             if unlike.get(kind, 1.0) > _UNLIKE:
                 return Message(f"change/doubtful/rest/{place}", reason=reason)
-    return ""
+    return _louder(before, after)
+
+
+def _louder(before: RelaxedCurve, after: RelaxedCurve) -> str:
+    """Why rest that no effort is seen beside may not be alike at both visits; empty where it may.
+
+    A muscle that never lets go shows a steady EMG, as an electrode's noise is: at one visit they
+    are alike, and a tone that comes or goes is a change of the electrode's level.
+    """
+    if not (before.is_declared or after.is_declared):
+        return ""
+    levels = [curve.levels for curve in (before, after)]
+    both = [m for m in levels[0] if m in levels[1] and max(level[m] for level in levels) > 0.0]
+    if not both:
+        return ""
+    ratios = {m: levels[1][m] / levels[0][m] if levels[0][m] > 0.0 else math.inf for m in both}
+    muscle = max(both, key=lambda m: abs(math.log(max(ratios[m], 1e-9))))
+    ratio = max(ratios[muscle], 1.0 / max(ratios[muscle], 1e-9))
+    if ratio < _AS_LOUD:
+        return ""
+    return Message("change/doubtful/rest/louder", muscle=muscle.upper(), ratio=ratio)
 
 
 def _doubts(curve: RelaxedCurve) -> dict[str, str]:

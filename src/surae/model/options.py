@@ -16,9 +16,10 @@ from surae.base.setting import Request, documented, is_number, setting
 from surae.base.words import N_
 from surae.model.geometry_table import GeometryTable
 from surae.model.joint import ANKLE, Joint
+from surae.model.tissue_curve import TissueCurve
 
 
-@filed(sparse=("emg_ref", "joint"))
+@filed(sparse=("emg_ref", "joint", "tissue"))
 @documented
 @dataclass(frozen=True, slots=True)
 class ModelOptions(Request):
@@ -98,6 +99,9 @@ class ModelOptions(Request):
         file=True,
         help="The joint: the ankle, or another by its file.",
     )
+    #: What the ankle's tissue has beside the exponentials of its muscles; a fit with ``auto`` puts
+    #: it there where its recordings' rest asks for it.
+    tissue: TissueCurve | None = None
 
     def __post_init__(self) -> None:
         """Refuse values that are not among the choices or not physical; hold levels as a tuple."""
@@ -173,13 +177,13 @@ class ModelOptions(Request):
 def with_files(given: Mapping[str, Any]) -> dict[str, Any]:
     """Keywords with the geometry and the joint that they name as a file, or hold as plain data."""
     read = dict(given)
-    for name, kind in (("geometry", GeometryTable), ("joint", Joint)):
+    for name, kind in (("geometry", GeometryTable), ("joint", Joint), ("tissue", TissueCurve)):
         value = given.get(name)
         if isinstance(value, Mapping):
             from surae.base.records import from_plain
 
             read[name] = from_plain(kind, value)
-        elif not isinstance(value, str | PathLike) or value in CHOICES[name]:
+        elif not isinstance(value, str | PathLike) or value in CHOICES.get(name, ()):
             continue
         elif Path(value).suffix or Path(value).is_file():
             # readers need NumPy, and options do not

@@ -1,11 +1,11 @@
 """A model tied to a recording: what all models have in common, whatever their muscles do.
 
     T = m·(T_inertia + T_gravity) + Σ r·(F_tissue + F_active) + torque_zero + T_plate
-        + joint_stiffness·(θ + 0.26) + joint_torque + joint_damping·θ'                  (1)
+        + joint_stiffness·(θ + 0.26) + joint_torque + joint_damping·θ' + T_tissue        (1)
     T_plate = plate_inertia·θ'' + plate_cos·cos θ + plate_sin·sin θ
 
-A model gives the forces of a muscle group, and its torque with derivatives; movement, excitation
-and activation are the same for all.
+T_tissue is the curve of `ModelOptions.tissue`. A model gives the forces of a muscle group, and its
+torque with derivatives; movement, excitation and activation are the same for all.
 """
 
 from collections.abc import Collection, Sequence
@@ -76,6 +76,8 @@ class Simulator:
         added = ((self._at[name], _TORQUES[name]) for name in optional)
         #: Part, column and torque of one unit of all that adds a torque by itself.
         self._added = [(a.part, column, a.of(inputs)) for column, a in added if a is not None]
+        #: Torque of a tissue that is given as a curve [Nm], shape (n,); None without one.
+        self._tissue = None if options.tissue is None else options.tissue.of(inputs)
         self._movement = Movement(inputs, options, self._at)
         self._excitation = Excitation(
             inputs, options, at=self._at, weights=weights, emg=inputs.emg.T if emg is None else emg
@@ -86,6 +88,8 @@ class Simulator:
         p = np.array(values, dtype=np.float64)
         leg = self._movement.at(p)
         torque: FloatArray = p[0] * (leg.inertia + leg.gravity)
+        if self._tissue is not None:
+            torque += self._tissue
         for _, column, row in self._added:
             torque += p[column] * row
         for group, active in enumerate(self._active(p, leg)):
@@ -115,6 +119,8 @@ class Simulator:
         slots[list(columns)] = np.arange(len(columns))
         limb = leg.inertia + leg.gravity
         torque: FloatArray = p[0] * limb
+        if self._tissue is not None:
+            torque += self._tissue
         jacobian = np.zeros((len(columns) + 1, len(limb)))  # the last row is of what is not wanted
         jacobian[slots[0]] = limb
         for _, column, row in self._added:
@@ -156,6 +162,8 @@ class Simulator:
             part: sum(p[column] * row for of, column, row in self._added if of == part)
             for part, _, _ in self._added
         }
+        if self._tissue is not None:
+            added["joint"] = added.get("joint", 0.0) + self._tissue
         reflex_tri, reflex_tib = reflex or (None, None)
         parts = TorqueParts(
             tissue_tri,

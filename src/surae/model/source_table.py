@@ -328,6 +328,13 @@ _SOURCES = (
         ),
     ),
     UncertaintySource(
+        "relaxed_curve",
+        "relaxed tissue",
+        "how far the relaxed leg’s curve may be from what its rest says",
+        N_("record more rest, and move the relaxed ankle slowly over its whole range"),
+        Fill("series-6", "\\"),
+    ),
+    UncertaintySource(
         "give",
         "give of the plate",
         "how far the foot turns on its plate under load",

@@ -25,6 +25,7 @@ from surae.inference.posterior.departures import Chosen
 from surae.inference.posterior.family import Family
 from surae.inference.posterior.log_posterior import LogPosterior, Point
 from surae.inference.problem import FitProblem
+from surae.inference.relaxed.cut import doubts_of
 from surae.inference.result import (
     LARGEST,
     TENDONS,
@@ -40,6 +41,8 @@ from surae.model.laboratory import COMPLIANT, group_of, laboratory
 from surae.model.source import Gaussian
 from surae.model.source_table import NUISANCES
 
+#: Parameters of tissue, whose exponentials are the best there are where rest tells another curve.
+_TISSUE = ("k_tri", "k_tib", "x0_tri", "x0_tib", "k_rel", "tau_rel", "joint_stiffness")
 #: Ends of starts agree whose −2 ln p differ by less.
 _ALIKE = 2.0
 
@@ -130,6 +133,13 @@ def _shifts(
     if lost := max(recording.emg_lost for recording in family.inputs):
         heard = [float(name in original.spec.weights) for name in post.of]
         shifts["emg_band"] = lost * np.array([heard])
+    if (tissue := original.options.tissue) is not None:
+        each = (*doubts_of(replace(original, inputs=family.inputs)), tissue)
+        moved = [np.stack([t.of(r) for t in each], axis=1) for r in post.problem.inputs]
+        rows = laplace.by_torque(post, chosen.mode, V, moved)
+        # what a leg's curve has beside exponentials is theirs to the best of any
+        rows[-1, [name not in _TISSUE for name in post.of]] = 0.0
+        shifts["relaxed_curve"] = rows
     for group, conflict in against.items():
         source = NUISANCES[group].name
         before = shifts.get(source, np.zeros((0, len(V))))

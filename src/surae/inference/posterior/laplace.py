@@ -14,6 +14,7 @@ from scipy.linalg import cho_solve
 
 from surae.base.units import FloatArray
 from surae.inference.evidence import Subset, root
+from surae.inference.posterior.banded import border_products, solve_band
 from surae.inference.posterior.latent import SOURCES
 from surae.inference.posterior.log_posterior import Block, LogPosterior, Point
 from surae.model.laboratory import group_of
@@ -153,3 +154,25 @@ def between_trials(blocks: Sequence[Block], V: FloatArray) -> FloatArray:
     rows = rows @ axes[:, told] / np.sqrt(sizes[told])
     seen = np.sum(rows**2, axis=0)
     return np.asarray(rows * np.sqrt(np.maximum(seen - 1.0, 0.0) / np.maximum(seen, 1.0)) @ back)
+
+
+def by_torque(
+    posterior: LogPosterior, point: Point, V: FloatArray, moved: Sequence[FloatArray]
+) -> FloatArray:
+    """Shifts of the searched coordinates, (r, q), where the model's torque is other than it is.
+
+    Of each recording by so much [Nm], `moved`, shape (n, r); its latents follow.
+    """
+    shifts = np.zeros((moved[0].shape[1], len(V)))
+    for number, (own, b) in enumerate(zip(moved, point.blocks, strict=True)):
+        rows = posterior.rows(point, number)[0]
+        weight = posterior.problem.inputs[number].weight
+        torque = own if weight is None else own * np.sqrt(weight)[:, None]
+        variance = posterior.variances(number)[0]
+        pull = rows.whole[:-1] @ torque / variance
+        if len(b.fast):
+            border = border_products(rows.fast, rows.first, np.ascontiguousarray(torque))
+            pull -= b.fast[:, :-1].T @ solve_band(b.band, border / variance)
+        q = len(b.at)
+        shifts -= (pull[:q] - b.solved[:, b.at].T @ pull[q:]).T @ V[b.at]
+    return shifts

@@ -23,6 +23,7 @@ from surae.inference.posterior.family import Family
 from surae.inference.posterior.look_back import LESS, followed, simplest
 from surae.inference.posterior.valleys import first
 from surae.inference.problem import FitProblem
+from surae.inference.relaxed.cut import with_rest
 from surae.inference.result import FitResult, Stage
 from surae.model.laboratory import RIGID
 
@@ -39,7 +40,7 @@ def fit_family(
     least squares.
     """
     begin = time.perf_counter()
-    family = Family(problem, follow)
+    family = Family(with_rest(problem), follow)
     with one_blas_thread(), postponed_interrupt():
         try:
             result = _result(family, progress)
@@ -82,6 +83,8 @@ def _result(family: Family, progress: SearchProgress | None) -> FitResult:
     rests = chosen.moved < RESTS
     outcome = str(Outcome.CONVERGED if rests else Outcome.ITERATIONS)
     result = summed(chosen, family, met, stages, outcome)
+    if family.original.options.tissue is not None:
+        result = replace(result, message=Message("ended/rest-tissue", message=result.message))
     if not rests:
         more = Message("ended/moving", message=result.message, moved=chosen.moved)
         result = replace(result, message=more)

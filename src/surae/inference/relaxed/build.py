@@ -2,11 +2,13 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
 from surae.base.errors import InputError
 from surae.base.frozen import read_only
+from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
 from surae.base.words import Message
 from surae.inference.judging.adequacy import Grade
@@ -31,6 +33,13 @@ _HEAVY = 0.058
 _ONE_STEP = 0.5
 #: Parts of the moved range [deg quantiles].
 _ENDS = (0.01, 0.99)
+
+
+@one_blas_thread()
+@lru_cache(maxsize=8)
+def curve_of(inputs: tuple[ModelInputs, ...], laboratory: Laboratory) -> RelaxedCurve | Message:
+    """The relaxed curve of these recordings, or why there is none; the last ones are kept."""
+    return relaxed_curve(inputs, laboratory)
 
 
 def relaxed_curve(
@@ -109,6 +118,7 @@ def _curve(
         _samples(estimate, (shares @ means)[inner:]),
         estimate.rest.by == "declared",
         tuple((part.hypothesis.plate, part.hypothesis.reflex) for part in estimate.parts),
+        dict(estimate.rest.levels),
     )
 
 

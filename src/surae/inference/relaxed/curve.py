@@ -1,7 +1,7 @@
 """The relaxed curve of one leg: its posterior, and what may be asked of it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
@@ -117,11 +117,14 @@ class RelaxedCurve(Comparable):
     is_declared: bool = False
     #: Of each part, whether it reads a plate that nobody stated, and a reflex; empty: not known.
     parts: tuple[tuple[bool, bool], ...] = ()
+    #: What each electrode shows of the rest, by muscle, in the unit of the EMG.
+    levels: Mapping[str, float] = field(default_factory=FrozenDict)
 
     def __post_init__(self) -> None:
         """Make mappings read-only."""
         object.__setattr__(self, "context", FrozenDict(self.context))
         object.__setattr__(self, "readings", FrozenDict(self.readings))
+        object.__setattr__(self, "levels", FrozenDict(self.levels))
 
     @property
     def basis(self) -> Basis:

@@ -40,6 +40,9 @@ class Rest:
     masks: tuple[Mask, ...]  #: By sample of each trial.
     by: str  #: ``"emg"``, or ``"declared"`` where no electrode shows any effort.
     tonic: tuple[str, ...]  #: Names of trials in which a muscle never comes to rest.
+    #: What each electrode shows of rest in the loudest trial, its median, by muscle: of trials
+    #: without any effort nothing else says whether another visit rested as much.
+    levels: tuple[tuple[str, float], ...] = ()
 
 
 def rest_of(trials: Sequence[ModelInputs]) -> Rest:
@@ -76,7 +79,24 @@ def rest_of(trials: Sequence[ModelInputs]) -> Rest:
         for share, trial in zip(above, trials, strict=True)
         if (share > REST_SHARE).mean() > _TONIC
     )
-    return Rest(tuple(~mask for mask in masks), by, tonic)
+    resting = tuple(~mask for mask in masks)
+    return Rest(resting, by, tonic, _levels(trials, envelopes, resting))
+
+
+def _levels(
+    trials: Sequence[ModelInputs], envelopes: Sequence[FloatArray], resting: Sequence[Mask]
+) -> tuple[tuple[str, float], ...]:
+    """Median of each electrode while the leg rests, in the loudest trial that has it."""
+    made = []
+    for index, muscle in enumerate(MUSCLES):
+        shown = [
+            float(np.median(envelope[mask, index]))
+            for trial, envelope, mask in zip(trials, envelopes, resting, strict=True)
+            if muscle not in trial.missing_emg and mask.any()
+        ]
+        if shown:
+            made.append((muscle, max(shown)))
+    return tuple(made)
 
 
 def _smoothed(trial: ModelInputs) -> FloatArray:
