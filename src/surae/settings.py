@@ -329,7 +329,8 @@ class FitSettings(PreparesInputs, Request):
         A prior that the data cannot see would else count as none at all.
         """
         groups = frozenset[str]() if self.knowledge is None else groups_of(self.knowledge)
-        return groups | ({"arm", "length"} if self.geometry_of == names.GEOMETRY_OF[1] else set())
+        own = {"arm", "bend", "length"} if self.geometry_of == names.GEOMETRY_OF[1] else set()
+        return groups | own
 
     @property
     def parameters(self) -> frozenset[str]:

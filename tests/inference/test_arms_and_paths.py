@@ -6,16 +6,23 @@ import numpy as np
 import pytest
 
 import surae
+from ankle_legs.make import make, truth_of
 from richer_legs import richer_leg
 from surae.base.normal import NORMAL
 from surae.inference import Verdict, assess, make_problem, solve
+from surae.inference.posterior.empirical_bayes import BEGIN
+from surae.inference.posterior.family import Family
+from surae.inference.posterior.valleys import white_noise
 from surae.measures.compute import evaluate, points
+from surae.model import ModelOptions
 from surae.model.knowledge import Knowledge
+from surae.model.laboratory import group_of
 from surae.model.source_table import ARM_SIZE, GEAR, GEAR_OF_TABLE
 from surae.model.statements import StatedArm
 from surae.model.symmetry import with_paths
 
 EXACT = {"arm": (0.0, 0.0)}
+INVARIANT = ("passive_exponent", "active_width", "tendon_rotational", "torque_gain", "maximal")
 MUSCLE = ("k_tri", "k_tib", "x0_tri", "x0_tib", "l0_tri", "l0_tib", "dlt_tri", "g1", "g3")
 ELSE = ("m", "tau_rel", "k_rel", "f0", "beta")
 
@@ -237,3 +244,44 @@ def test_profiles_and_posteriors_know_arms_and_paths_too() -> None:
     k, l0 = np.log(drawn.of("k_tri")), np.log(drawn.of("l0_tri"))
     assert np.corrcoef(k, l0)[0, 1] < -0.9
     assert np.std(k + l0) < 0.2 * np.std(k)
+
+
+def beliefs_of(inputs, **settings):
+    problem = make_problem([inputs], "auto", **settings)
+    return Family(problem).posterior(("bend",), 64.0, white_noise(problem, 0.05), BEGIN).beliefs
+
+
+def test_a_path_is_thought_to_bend_as_its_arm_unless_somebody_says_otherwise(inputs) -> None:
+    usual = beliefs_of(inputs)
+    assert usual["path_bend_tri"].mean == pytest.approx(-0.00188, rel=1e-2)
+    assert usual["path_bend_tib"].mean == pytest.approx(-0.00580, rel=1e-2)
+    assert "arm_scale_tri" not in usual  # a departure of its own
+    stated = beliefs_of(inputs, nuisances={"bend": (0.001, 0.002)})
+    assert (stated["path_bend_tri"].mean, stated["path_bend_tri"].sd) == (0.001, 0.002)
+
+
+def test_lengths_on_a_tendons_path_are_as_unsure_as_the_share_that_fascicles_have(inputs) -> None:
+    options = ModelOptions(geometry="virtual-work")
+    far = beliefs_of(inputs, options=options)
+    assert far["length_zero_tri"].sd == pytest.approx(0.33 * options.x_ref_tri)
+    assert far["path_bend_tri"].mean == 0.0  # it bends as its arm already
+    assert beliefs_of(inputs)["length_zero_tri"].sd == 0.005
+    stated = {"length_zero_tri": (0.0, 0.004)}
+    assert beliefs_of(inputs, options=options, nuisances=stated)["length_zero_tri"].sd == 0.004
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("family", "departs"), [("va", set()), ("vd", {"bend"}), ("f", {"arm"})])
+def test_paths_that_work_need_no_other_arms(tmp_path, family, departs) -> None:
+    """Legs by another author: paths of equation (9), paths that work, other arms."""
+    (path,) = make(family, 3101, tmp_path, (1,))
+    fit = surae.fit(path, quality=())
+    there = {group_of(name) for name in fit.result.posterior.beliefs}
+    assert departs <= there
+    assert family == "f" or "arm" not in there
+    truth = truth_of(family, 3101, 1)["measures"]
+    claimed = {n: m for n, m in fit.measures().items() if m.verdict is Verdict.IDENTIFIED}
+    invariants = [n for n in claimed if n.startswith(INVARIANT) and truth.get(n) is not None]
+    assert family == "f" or len(invariants) >= 3
+    for name in invariants:
+        assert claimed[name].ci95[0] <= truth[name] <= claimed[name].ci95[1], name

@@ -7,6 +7,7 @@ import pytest
 
 from richer_legs import richer_leg
 from surae.model import ModelOptions, get_model, with_optional
+from surae.model.geometry import paths
 from surae.model.laboratory import COMPLIANT
 from surae.model.registry import OWN
 from surae.model.symmetry import (
@@ -14,6 +15,7 @@ from surae.model.symmetry import (
     GROUPS,
     PATH,
     assumed_gear,
+    bend_of_work,
     generator,
     has_symmetry,
     moved,
@@ -147,3 +149,16 @@ def test_a_model_whose_muscle_is_tied_to_the_assumed_path_says_so() -> None:
         assert not tied_to_geometry(spec)
     alone = replace(old, parameters=(*old.parameters, *get_model("muscle").parameters))
     assert has_symmetry(alone, "tri")
+
+
+@pytest.mark.parametrize("group", GROUPS)
+def test_a_path_with_the_bend_of_work_travels_a_steady_share_of_its_arm(group) -> None:
+    options = ModelOptions()
+    angle = np.array([-1e-3, 0.0, 1e-3])
+    own = paths(angle=angle, velocity=0.0 * angle, options=options)[GROUPS.index(group)]
+    slope = own.slope + 2.0 * bend_of_work(options, group) * angle
+    gear = slope / own.arm
+    assert gear[1] == pytest.approx(assumed_gear(options, group))
+    assert gear[2] - gear[0] == pytest.approx(0.0, abs=2e-6)  # equation (9)'s differs by 1e-4
+    assert abs(np.ptp(own.slope / own.arm)) > 1e-4
+    assert bend_of_work(replace(options, geometry="virtual-work"), group) == 0.0

@@ -629,6 +629,9 @@ _OPTIONAL: dict[str, tuple[Parameter, ...]] = {
         ("arm_slope", "1/rad", "slope of the moment arm over the assumed one", 0.6),
         ("arm_bend", "1/rad²", "curvature of the moment arm over the assumed one", 0.8),
         ("path_scale", "-", "logarithm of the path's slope over the assumed one", 0.9),
+    ),
+    "path_bend": _both(
+        _GEOMETRY,
         ("path_bend", "m/rad²", "curvature of the path beyond the assumed one, halved", 0.02),
     ),
     "length_zero": _both(

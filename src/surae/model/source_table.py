@@ -370,7 +370,6 @@ _SOURCES = (
             prior_of=FrozenDict(
                 {f"arm_scale_{g}": Gaussian(0.0, 0.06) for g in ("tri", "tib")}
                 | {f"path_scale_{g}": Gaussian(0.0, 0.3) for g in ("tri", "tib")}
-                | {f"path_bend_{g}": Gaussian(0.0, 0.005) for g in ("tri", "tib")}
             ),
             # one image: readers differ by 3 %, methods by 4 mm; what else is assumed
             measured=FrozenDict(
@@ -384,8 +383,26 @@ _SOURCES = (
                     for of in ("arm_slope", "arm_bend")
                     for g in ("tri", "tib")
                 }
-                | {f"path_bend_{g}": Gaussian(0.0, 0.002) for g in ("tri", "tib")}
             ),
+        ),
+    ),
+    UncertaintySource(
+        "path_bends",
+        "bend of the paths",
+        "how far the muscles’ paths bend otherwise than is assumed",
+        N_("give the leg’s own geometry, from images or a scaled model"),
+        Fill("series-2", "+"),
+        again_by=_AGAIN,
+        nuisance=Nuisance(
+            "bend",
+            OPTIONAL["path_bend"],
+            Gaussian(0.0, 0.004),
+            "m/rad²",
+            "a path that does work bends as its arm does, whatever share of the way its muscle "
+            "travels; how that share changes with the angle is assumed",
+            of_leg=True,
+            departs=True,
+            measured=FrozenDict({f"path_bend_{g}": Gaussian(0.0, 0.002) for g in ("tri", "tib")}),
         ),
     ),
     UncertaintySource(

@@ -162,6 +162,21 @@ def assumed_gear(options: ModelOptions, group: str) -> float:
     return slope / arm if arm * slope > 0.0 else math.nan
 
 
+def bend_of_work(options: ModelOptions, group: str) -> float:
+    """`path_bend` at which the assumed path bends as its arm does at 0 rad [m/rad²].
+
+    ½·((dx/dθ)·(dr/dθ)/r − d²x/dθ²): a path that does work travels its arm, times a share that does
+    not change with the angle. 0 where paths conserve work, −1.9 mm/rad² of the triceps and
+    −5.8 of the tibialis by equation (9), which does not bend; 0 too where a table has no arm there.
+    """
+    at = _neutral(options, group)
+    arm = float(at.arm[0])
+    if not arm:
+        return 0.0
+    slopes = float(np.ravel(at.arm_slope)[0]), float(np.ravel(at.bend)[0])
+    return 0.5 * (float(at.slope[0]) * slopes[0] / arm - slopes[1])
+
+
 def _neutral(options: ModelOptions, group: str) -> Any:
     at = np.zeros(1)
     return paths(angle=at, velocity=at, options=options)[GROUPS.index(group)]

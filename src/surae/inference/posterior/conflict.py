@@ -30,7 +30,7 @@ _TOLD = 0.7
 #: 1/sd of no prior, in parts of that of a laboratory that knows nothing.
 _NO_PRIOR = 1e-3
 #: Groups that one statement is about, and parameters of a shape that nobody states.
-_PART_OF = {"length": "arm"}
+_PART_OF = {"length": "arm", "bend": "arm"}
 _SHAPES = ("arm_slope", "arm_bend", "path_bend")
 #: The zero of the angle, and how far it is off where nobody looked, twice as far as assumed [rad].
 ZERO_NAME = "angle_zero"

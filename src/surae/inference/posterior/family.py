@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from surae.base.names import GEOMETRY_OF
 from surae.inference.coordinates import is_straight
 from surae.inference.least_squares.fit import fit_problem
 from surae.inference.least_squares.starts import Follow
@@ -25,6 +26,8 @@ from surae.inference.result import TENDONS, FitResult
 from surae.model import get_model, with_optional
 from surae.model.laboratory import COMPLIANT, DEPARTURES, NONE, RIGID, group_of, laboratory
 from surae.model.source import Gaussian
+from surae.model.source_table import GEAR
+from surae.model.symmetry import GROUPS, bend_of_work, length_at_rest
 from surae.signals import ModelInputs, emg_levels, emg_sizes, quiet_levels, steady_emg
 from surae.signals.prepare import sharpened
 from surae.signals.resample import thinned, thinning_factor
@@ -35,6 +38,8 @@ RATE_HZ = 64.0
 _SAMPLES = 400
 #: How far EMG at rest may be from what is expected, in standard deviations.
 _REST = 6.0
+#: How far lengths on paths that travel as the tendon does may be, in standard deviations.
+_FAR = 2.5
 #: Bounds that are wider than those of a named model's search.
 _WIDER = {"m": MASSES, "dlt_tri": (1e-5, 0.3), "dlt_tib": (1e-5, 0.3)}
 
@@ -66,6 +71,7 @@ class Family:
             and not _needless(name, self._silent, filmed)
             and not (name == "emg_lag" and all(r.own_envelopes for r in problem.inputs))
         }
+        self._beliefs |= _of_paths(self._beliefs, problem)
         self._options = problem.options
         if self._options.emg_ref is None:
             self._options = replace(self._options, emg_ref=emg_levels(self.inputs))
@@ -168,8 +174,11 @@ class Family:
         limits |= {n: pair for n, pair in _WIDER.items() if n not in original.settings.bounds}
         for name, belief in beliefs.items():
             # amplifiers differ a thousandfold, and a child's arms are half an adult's
-            if group_of(name) == "rest" or (group_of(name) == "arm" and belief.mean):
-                limits[name] = (belief.mean - _REST * belief.sd, belief.mean + _REST * belief.sd)
+            group = group_of(name)
+            far = group == "length" and self._options.travel == "virtual-work"
+            if group == "rest" or (group == "arm" and belief.mean) or far:
+                reach = (_FAR if far else _REST) * belief.sd
+                limits[name] = (belief.mean - reach, belief.mean + reach)
         free = [n for n in spec.names if n in original.free or n in beliefs]
         problem = original.of_model(
             spec,
@@ -212,6 +221,28 @@ class Family:
             for name, (median, spread) in wide.items()
             if name in problem.free
         }
+
+
+def _of_paths(beliefs: Mapping[str, Gaussian], problem: FitProblem) -> dict[str, Gaussian]:
+    """Priors that the assumed paths give, of what was not stated.
+
+    A path bends about as it does where it does work. Where it travels as the tendon does, lengths
+    are known only as well as the share that fascicles have of it, unless they are the person's.
+    """
+    given = problem.settings.beliefs
+    stated = {} if isinstance(given, str) else given
+    options = problem.options
+    priors = dict[str, Gaussian]()
+    for group in GROUPS:
+        bend = f"path_bend_{group}"
+        if bend in beliefs and not {bend, "bend"} & stated.keys():
+            priors[bend] = replace(beliefs[bend], mean=bend_of_work(options, group))
+        length = f"length_zero_{group}"
+        own = problem.settings.geometry_of == GEOMETRY_OF[1] or {length, "length"} & stated.keys()
+        if length in beliefs and options.travel == "virtual-work" and not own:
+            sd = GEAR.sd * abs(length_at_rest(options, group))
+            priors[length] = replace(beliefs[length], sd=max(sd, beliefs[length].sd))
+    return priors
 
 
 def _needless(name: str, silent: frozenset[str], filmed: Collection[str]) -> bool:
