@@ -16,9 +16,11 @@ from surae.base.files import PathLike
 from surae.base.requests import ChangeSettings
 from surae.base.setting import renamed, takes
 from surae.inference.judging.validation import Prediction, predict_others
+from surae.inference.relaxed.curve import RelaxedCurve
 from surae.measures.change import Change, compare_sessions
 from surae.measures.compared import common_end
-from surae.measures.relaxed_change import rest_change
+from surae.measures.relaxed_change import remounting, rest_change
+from surae.measures.strength import strength_change
 from surae.nerve.change import NerveChange, of_files
 from surae.signals import Weighting, weighted
 from surae.trials.folder import fit_in
@@ -71,16 +73,24 @@ def change(
     fits = [side.fit.result for side in sides if side.fit is not None]
     end = common_end(fits) if fits else math.inf
     brought = [side.quantities(angles, end) for side in sides]
-    curves = [side.curve() for side in sides[:2]]
+    curves = [side.curve() for side in sides]
     rest = None
     if curves[0] is not None and curves[1] is not None:
-        rest = rest_change(curves[0], curves[1], angles, legs=settings.legs)
+        repeats = [curve for curve in curves[2:] if curve is not None]
+        rest = rest_change(
+            curves[0],
+            curves[1],
+            angles,
+            legs=settings.legs,
+            remounted=remounting(curves[0], repeats),
+        )
     return compare_sessions(
         brought[0],
         brought[1],
         brought[2:],
         legs=settings.legs,
         rest=rest,
+        strength=strength_change(sides[0].efforts, sides[1].efforts),
         question=settings.question,
     )
 
@@ -108,11 +118,13 @@ def write_change_page(
     *,
     language: str = "en",
     angle: float | None = None,
+    curves: Sequence[RelaxedCurve] = (),
 ) -> None:
     """Write the page of what changed, HTML or by its ending PDF.
 
-    `fits` are both that were compared, none where recordings were; torque and stiffness are given
-    at `angle` [deg], by default 10, or what was measured near it.
+    `fits` are both that were compared, none where recordings were, and `curves` those of their
+    rest, none where one has no rest; torque and stiffness are given at `angle` [deg], by default
+    10, or what was measured near it.
     """
     from surae.report.change import change_report  # matplotlib
 
@@ -122,6 +134,7 @@ def write_change_page(
         created=datetime.now().astimezone(),
         language=language,
         angle=angle,
+        curves=curves,
     ).write(path)
 
 
@@ -129,6 +142,12 @@ def fits_of(*given: Visited) -> list[Fit]:
     """The fits of visits, where every one has its fit; else none."""
     fits = [side.fit for side in map(side_of, given)]
     return [fit for fit in fits if fit is not None] if None not in fits else []
+
+
+def curves_of(*given: Visited) -> list[RelaxedCurve]:
+    """The relaxed curves of visits, where every one rests; else none."""
+    curves = [side.curve() for side in map(side_of, given)]
+    return [curve for curve in curves if curve is not None] if None not in curves else []
 
 
 def fit_of(given: Fit | PathLike) -> Fit:

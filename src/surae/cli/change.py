@@ -68,6 +68,7 @@ def command(
             report,
             change,
             api.fits_of(before, after),
+            curves=api.curves_of(before, after),
             language=language,
             angle=angles[0] if len(angles) == 1 else None,
         )

@@ -36,6 +36,7 @@ from surae.measures.compared import Quantities, Quantity
 from surae.measures.difference import ChangeVerdict, Difference, sentence_of, with_part
 from surae.measures.relaxed_change import RestChange, RestDifference
 from surae.measures.reliability import SCATTER
+from surae.measures.strength import STRENGTH, StrengthDifference
 
 #: `SCATTER` of the tibialis's tendon, hardly stretched and the worst of these; on a measured leg it
 #: differed by chance in three of 21 pairs of trials that 1.2 was for.
@@ -46,6 +47,8 @@ _RANGES = 1.0
 #: Level of all claims together, and the power with which the smallest change would be shown.
 LEVEL = 0.05
 POWER = 0.80
+#: Questions by a word: the measures that they are about.
+QUESTIONS = {"strength": tuple(STRENGTH)}
 #: Columns of the table that hold numbers.
 _NUMBERS = ("before", "after", "difference", "95 % interval", "would show")
 #: Degrees of freedom of what is known as well as the normal distribution.
@@ -131,13 +134,15 @@ def compare_sessions(
     *,
     legs: bool = False,
     rest: RestChange | None = None,
+    strength: Mapping[str, StrengthDifference] = FrozenDict(),
     question: Sequence[str] = (),
 ) -> Change:
     """Compare two sessions of a leg, or its two legs, whose own errors do not cancel.
 
     How far `baselines`, sessions before anything changed, scatter beyond their own uncertainty is
-    taken for the spread between sessions. What `rest` tells goes before what fits tell; `question`
-    names what was asked beforehand, with or without the point after its ``@``.
+    taken for the spread between sessions. What `rest` tells, and maximal efforts of `strength`, go
+    before what fits tell; `question` names what was asked beforehand, with or without the point
+    after its ``@``, or ``"strength"``.
     """
     if legs and baselines:
         raise InputError("baselines are sessions of one leg; leave them out to compare two legs")
@@ -149,6 +154,8 @@ def compare_sessions(
         drafts[name] = draft, freedom, doubt or ""
     if rest is not None:
         drafts = _with_rest(drafts, rest)
+    efforts = {name: (_of_strength(each), _MANY, "") for name, each in strength.items()}
+    drafts = {**drafts, **efforts}
     judged, counts = _all_judged(drafts, asked_of(question, drafts), legs=legs)
     measures, parameters = (
         FrozenDict((n, d) for n, d in judged.items() if d.kind == kind)
@@ -174,10 +181,17 @@ def asked_of(question: Sequence[str], names: Iterable[str]) -> frozenset[str]:
     every = tuple(names)
     asked: set[str] = set()
     for one in question:
-        of = [name for name in every if one in (name, name.partition("@")[0])]
+        of = [name for name in QUESTIONS.get(one, ()) if name in every]
+        if one in QUESTIONS and not of:
+            raise InputError(
+                f"question {one!r}: neither visit has a trial of maximal effort; record three "
+                "efforts of each group, held still, and name the file max"
+            )
+        of = of or [name for name in every if one in (name, name.partition("@")[0])]
         if not of:
             raise InputError(
-                f"question {one!r}: no such measure or parameter is compared{nearest(one, every)}"
+                f"question {one!r}: no such measure or parameter is compared"
+                f"{nearest(one, (*every, *QUESTIONS))}"
             )
         asked.update(of)
     return frozenset(asked)
@@ -216,6 +230,28 @@ def _of_rest(d: RestDifference) -> Difference:
         d.to_deg,
         d.ci95_device,
         basis="rest",
+    )
+
+
+def _of_strength(d: StrengthDifference) -> Difference:
+    """A difference of strength, not yet judged."""
+    p = None
+    if d.difference is not None and d.sd is not None:
+        p = Student(d.difference, d.sd, _MANY).p
+    return Difference(
+        d.name,
+        d.unit,
+        d.meaning,
+        "measure",
+        d.before,
+        d.after,
+        d.difference,
+        d.ci95,
+        p,
+        None,
+        ChangeVerdict.NOT_COMPARABLE,
+        Message("change/not-comparable", why=d.missing) if d.missing else "",
+        basis="effort",
     )
 
 

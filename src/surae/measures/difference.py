@@ -45,7 +45,8 @@ class Difference:
     #: Of a measure at a stated angle that rest tells: at the angle that the device shows.
     ci95_device: tuple[float, float] | None = None
     asked: bool = False  #: Whether it was asked beforehand.
-    basis: str = "model"  #: ``"rest"`` or ``"model"``.
+    #: ``"rest"``, ``"model"``; or ``"effort"``, of maximal efforts that were held still.
+    basis: str = "model"
 
 
 def with_part(said: Message, change: float, of: Difference) -> Message:
