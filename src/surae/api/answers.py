@@ -10,7 +10,7 @@ from surae.api.fitted import Fit
 from surae.api.fitting import load
 from surae.api.given import AnyRecording, several
 from surae.api.recordings import as_in_fit
-from surae.api.sides import Visited, place_of, side_of
+from surae.api.sides import Side, Visited, place_of, side_of
 from surae.base.errors import InputError
 from surae.base.files import PathLike
 from surae.base.requests import ChangeSettings
@@ -19,8 +19,10 @@ from surae.inference.judging.validation import Prediction, predict_others
 from surae.inference.relaxed.curve import RelaxedCurve
 from surae.measures.change import Change, compare_sessions
 from surae.measures.compared import common_end
+from surae.measures.course import Series, rest_series, strength_series
 from surae.measures.relaxed_change import remounting, rest_change
 from surae.measures.strength import strength_change
+from surae.measures.visits import compare_visits
 from surae.nerve.change import NerveChange, of_files
 from surae.signals import Weighting, weighted
 from surae.trials.folder import fit_in
@@ -67,8 +69,7 @@ def change(
     settings = ChangeSettings(**keywords)
     if place_of(before) == place_of(after):
         raise InputError("before and after are the same fit; give two sessions, or two legs")
-    asked = [float(a) for a in map(_angle_in, settings.question) if a is not None]
-    angles = tuple(dict.fromkeys((*(settings.angles or CHANGE_ANGLES), *asked)))
+    angles = _angles(settings)
     sides = [*map(side_of, (before, after, *baselines))]
     fits = [side.fit.result for side in sides if side.fit is not None]
     end = common_end(fits) if fits else math.inf
@@ -82,7 +83,7 @@ def change(
             curves[1],
             angles,
             legs=settings.legs,
-            remounted=remounting(curves[0], repeats),
+            remounted=0.0 if settings.mounted else remounting(curves[0], repeats),
         )
     return compare_sessions(
         brought[0],
@@ -93,6 +94,72 @@ def change(
         strength=strength_change(sides[0].efforts, sides[1].efforts),
         question=settings.question,
     )
+
+
+@takes(ChangeSettings)
+def course(
+    visits: Sequence[Visited], *, days: Sequence[float] | None = None, **keywords: Any
+) -> Change:
+    """Whether a leg changed over three visits or more: a straight line through every measure.
+
+    Parameters
+    ----------
+    visits : sequence
+        In order; each as of `surae.change`.
+    days : sequence of float, optional
+        When each visit was, in days; by default they are as far apart as one from the next.
+    {settings}
+
+    Returns
+    -------
+    Change
+        `difference`, from the first visit to the last along the line, its interval and verdict;
+        `series` has every measure at every visit.
+
+    Raises
+    ------
+    InputError
+        There are fewer than three visits, two are one, or a question names nothing.
+
+    Examples
+    --------
+    >>> surae.course(["march", "april", "june"], days=[0, 31, 92]).sentence
+    """
+    settings = ChangeSettings(**keywords)
+    if settings.legs or settings.mounted:
+        raise InputError("legs and mounted are of two visits; leave them out of a course")
+    if len({str(place_of(visit)) for visit in visits}) < len(visits):
+        raise InputError("two of the visits are the same; give each once")
+    sides = [*map(side_of, visits)]
+    angles = _angles(settings)
+    fits = [side.fit.result for side in sides if side.fit is not None]
+    end = common_end(fits) if fits else math.inf
+    curves = [side.curve() for side in sides]
+    resting = [curve for curve in curves if curve is not None]
+    rest: tuple[dict[str, Series], str] = ({}, "")
+    if len(resting) == len(sides):
+        rest = rest_series(resting, angles)
+    return compare_visits(
+        [side.quantities(angles, end) for side in sides],
+        list(range(len(sides))) if days is None else list(days),
+        {**rest[0], **strength_series([side.efforts for side in sides])},
+        rest[1],
+        question=settings.question,
+        names=[_called(visit, side) for visit, side in zip(visits, sides, strict=True)],
+    )
+
+
+def _called(visit: Visited, side: Side) -> str:
+    """What a visit is called: its file or folder, else its recordings."""
+    if isinstance(visit, str) or hasattr(visit, "__fspath__"):
+        return Path(visit).name  # type: ignore[arg-type]
+    return ", ".join(side.names)
+
+
+def _angles(settings: ChangeSettings) -> tuple[float, ...]:
+    """Angles [deg] that are compared: those given, and those of what is asked."""
+    asked = [float(a) for a in map(_angle_in, settings.question) if a is not None]
+    return tuple(dict.fromkeys((*(settings.angles or CHANGE_ANGLES), *asked)))
 
 
 def _angle_in(name: str) -> float | None:

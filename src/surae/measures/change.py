@@ -20,7 +20,7 @@ adds has Student's t, with the degrees of freedom of Welch and Satterthwaite.
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from surae.base.errors import InputError
@@ -33,6 +33,7 @@ from surae.base.tables import Tabular, TextTable
 from surae.base.words import Message
 from surae.measures.claims import false_discovery, holm
 from surae.measures.compared import Quantities, Quantity
+from surae.measures.course import Series
 from surae.measures.difference import ChangeVerdict, Difference, sentence_of, with_part
 from surae.measures.relaxed_change import RestChange, RestDifference
 from surae.measures.reliability import SCATTER
@@ -55,7 +56,7 @@ _NUMBERS = ("before", "after", "difference", "95 % interval", "would show")
 _MANY = 1e9
 
 
-@filed("before", "after", "legs", "is_withheld")
+@filed("before", "after", "legs", "is_withheld", sparse=("visits", "times", "series"))
 @dataclass(frozen=True, slots=True, repr=False)
 class Change(Tabular, Saved):
     """Two sessions compared."""
@@ -73,6 +74,10 @@ class Change(Tabular, Saved):
     legs: bool = False  #: Whether they are two legs, and not two sessions of one.
     #: Whether differences are shown and none is judged, for what they rest on is doubtful.
     is_withheld: bool = False
+    #: Of more than two visits: names of all, when they were, and every measure at each.
+    visits: tuple[str, ...] = ()
+    times: tuple[float, ...] = ()
+    series: FrozenDict[str, Series] = field(default_factory=FrozenDict)
 
     @property
     def changed(self) -> tuple[Difference, ...]:
@@ -103,7 +108,7 @@ class Change(Tabular, Saved):
                 shown = significant(d.smallest, 2)
                 verdict = str(d.verdict)
             rows.append((d.name, *values, text.value, text.interval, shown, d.unit, verdict))
-        sides = (", ".join(side.recordings) for side in (self.before, self.after))
+        sides = self.visits or [", ".join(s.recordings) for s in (self.before, self.after)]
         baselines = f"The spread between sessions is that of {self.baselines} baselines."
         return TextTable(
             ("of", *_NUMBERS, "unit", "verdict"),
@@ -150,13 +155,13 @@ def compare_sessions(
     for name in dict.fromkeys((*before.by_name, *after.by_name)):
         own = [b.by_name[name] for b in baselines if name in b.by_name]
         draft, freedom = _difference(name, before, after, own, legs=legs)
-        doubt = None if draft.p is None else _doubt(name, before, after, legs=legs)
+        doubt = None if draft.p is None else doubt_of(name, before, after, legs=legs)
         drafts[name] = draft, freedom, doubt or ""
     if rest is not None:
         drafts = _with_rest(drafts, rest)
     efforts = {name: (_of_strength(each), _MANY, "") for name, each in strength.items()}
     drafts = {**drafts, **efforts}
-    judged, counts = _all_judged(drafts, asked_of(question, drafts), legs=legs)
+    judged, counts = all_judged(drafts, asked_of(question, drafts), legs=legs)
     measures, parameters = (
         FrozenDict((n, d) for n, d in judged.items() if d.kind == kind)
         for kind in ("measure", "parameter")
@@ -255,7 +260,7 @@ def _of_strength(d: StrengthDifference) -> Difference:
     )
 
 
-def _all_judged(
+def all_judged(
     drafts: Mapping[str, tuple[Difference, float, str]], asked: frozenset[str], *, legs: bool
 ) -> tuple[dict[str, Difference], tuple[int, int]]:
     """All differences judged, and how many were: of what was asked, and of all else."""
@@ -285,7 +290,7 @@ def _multiplicity(counts: tuple[int, int], doubts: Sequence[str], *, withheld: b
     return Message("change/exploratory", n=counts[1])
 
 
-def _doubt(name: str, before: Quantities, after: Quantities, *, legs: bool) -> str | None:
+def doubt_of(name: str, before: Quantities, after: Quantities, *, legs: bool) -> str | None:
     """Which fits are doubtful of it: of unchanged pairs of a leg, such called one in four changed.
 
     A doubt that does not touch a value does not withhold its change; what both have by rest alone
@@ -329,7 +334,7 @@ def _difference(
         known.from_deg,
         known.to_deg,
     )
-    why = _obstacle(before, after, a, b)
+    why = obstacle(before, after, a, b)
     if why or a is None or b is None or a.value is None or b.value is None:
         return replace(bare, note=Message("change/not-comparable", why=why)), math.inf
     drawn = sum(s.total**2 if legs else s.session**2 + s.model**2 for s in (a, b))
@@ -345,7 +350,7 @@ def _difference(
     return draft, freedom
 
 
-def _obstacle(before: Quantities, after: Quantities, a: Quantity | None, b: Quantity | None) -> str:
+def obstacle(before: Quantities, after: Quantities, a: Quantity | None, b: Quantity | None) -> str:
     """Why two values cannot be compared; empty where they can."""
     for side, when in ((a, "before"), (b, "after")):
         if side is None:

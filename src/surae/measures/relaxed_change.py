@@ -154,6 +154,11 @@ def with_detectable_changes(
     return tuple(made)
 
 
+def doubt_between(before: RelaxedCurve, after: RelaxedCurve) -> str:
+    """Why no difference of these visits is judged; empty where they are."""
+    return _doubt(before, after, paired_legs(before, after))
+
+
 def _doubt(before: RelaxedCurve, after: RelaxedCurve, pairs: LegPairs) -> str:
     """Why none is judged: a doubt that both visits do not share, so that it does not cancel."""
     unlike = dict(zip(_SHARED, pairs.unlike, strict=True))

@@ -60,6 +60,11 @@ class StrengthDifference:
     missing: str = ""  #: Why there is none.
 
 
+def strength_meaning(group: str) -> str:
+    """What the strength of a group is, in a sentence."""
+    return _MEANINGS[group]
+
+
 def strength_of(efforts: Sequence[Effort], group: str) -> Strength | None:
     """The best effort of a group, and how far another visit's would differ; None without any.
 

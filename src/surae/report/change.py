@@ -12,7 +12,7 @@ from surae.measures.difference import ChangeVerdict, Difference
 from surae.measures.torque_curve import torque_curve
 from surae.report import block
 from surae.report.figures import Figure
-from surae.report.figures.change import before_and_after_figure
+from surae.report.figures.change import before_and_after_figure, course_figure
 from surae.report.figures.leg import visits_figure
 from surae.report.language import MEASURES, Words, words_in
 from surae.report.leg import angle_of
@@ -45,7 +45,13 @@ def change_report(
     title = _("Do the legs differ?") if change.legs else _("Did it change?")
     cards = [block.Section(title, change_card(change, _), "change", "card")]
     figures: list[tuple[str, Figure]] = []
-    if len(curves) == 2:
+    if change.series:
+        name = _shown(change)
+        said = _("Bars: 95 % of what another such visit would find. Line: the trend.")
+        picture = block.Picture("visits", _("Course over the visits"), said, "here", 100)
+        cards.append(block.Section(_("Course over the visits"), (picture,), "curves", "card"))
+        figures.append(("visits", course_figure(change, name, _)))
+    elif len(curves) == 2:
         cards.append(_of_rest(_))
         names = sides(change, _)
         drawn = before_and_after_figure(curves[0], curves[1], names, _, legs=change.legs)
@@ -65,6 +71,15 @@ def change_report(
         language=language,
     )
     return Report(document, figures)
+
+
+def _shown(change: Change) -> str:
+    """The measure whose course is drawn: what was asked, what changed, else the first that has."""
+    drawn = [d for n, d in change.measures.items() if n in change.series and d.difference]
+    order = sorted(
+        drawn, key=lambda d: (not d.asked, d.verdict is not ChangeVerdict.CHANGED, d.p or 1.0)
+    )
+    return order[0].name if order else next(iter(change.series))
 
 
 def _of_rest(_: Words) -> block.Section:

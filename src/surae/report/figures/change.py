@@ -4,6 +4,7 @@ import numpy as np
 
 from surae.inference.relaxed.curve import RelaxedCurve
 from surae.inference.relaxed.pair import paired_legs
+from surae.measures.change import Change
 from surae.report.figures import BLUE, GREY, INK, MUTED, Figure, dress, new_figure
 from surae.report.figures.leg import CARD_WIDTH
 from surae.report.language import Words
@@ -74,3 +75,31 @@ def _limits(axes: object, values: np.ndarray) -> None:
     high = float(np.nanmax(values))
     room = _ROOM * max(high - low, 0.5)
     axes.set_ylim(low - room, high + room)  # type: ignore[attr-defined]
+
+
+def course_figure(change: Change, name: str, _: Words) -> Figure:
+    """A measure at every visit, each with what another such visit would find, and the line."""
+    series = change.series[name]
+    figure = new_figure(2.8, width=CARD_WIDTH)
+    axes = figure.subplots()
+    there = [
+        (t, v, _HALF * sem)
+        for t, v, sem in zip(change.times, series.values, series.sems, strict=True)
+        if v is not None and sem is not None
+    ]
+    times, values, halves = map(np.array, zip(*there, strict=True))
+    axes.errorbar(times, values, halves, fmt="o", color=INK, ms=5, lw=1.2, capsize=3)
+    d = change.measures.get(name)
+    if d is not None and d.difference is not None and d.ci95 is not None:
+        weights = halves**-2.0
+        ends = np.array([times.min(), times.max()])
+        whole = max(change.times) - min(change.times)
+        middle = np.average(times, weights=weights)
+        level = np.average(values, weights=weights)
+        axes.plot(ends, level + d.difference / whole * (ends - middle), "-", color=BLUE, lw=1.6)
+    unit = series.unit.replace("deg", "°").strip("-")
+    dress(axes, f"{_.measure(name)} [{unit}]" if unit else _.measure(name), _("Visit"))
+    axes.set_xticks(change.times, [str(visit)[:14] for visit in change.visits])
+    axes.margins(x=0.12)
+    axes.yaxis.set_major_formatter(lambda tick, _place: _.number(f"{tick:g}".replace("-", "−")))
+    return figure
