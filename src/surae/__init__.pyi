@@ -10,6 +10,7 @@ from surae.api import change as change
 from surae.api import check as check
 from surae.api import cohort as cohort
 from surae.api import compare as compare
+from surae.api import course as course
 from surae.api import design as design
 from surae.api import example as example
 from surae.api import expect as expect

@@ -122,7 +122,12 @@ def test_a_doubt_of_one_visit_withholds_and_one_of_both_does_not(curves) -> None
 
     before, after = curves["before"], curves["softer"]
     assert rest_change(before, after, ANGLES).doubt == ""
-    told = rest_change(doubtful("before", heavy), after, ANGLES)
+    # a plate that one visit has, and the other clearly not, does not cancel; a guess at one does
+    guessed = rest_change(doubtful("before", heavy), after, ANGLES)
+    assert guessed.doubt == ""
+    certain = replace(doubtful("before", heavy), parts=((True, False),) * len(before.share))
+    bare = replace(after, parts=((False, False),) * len(after.share))
+    told = rest_change(certain, bare, ANGLES)
     assert "before is doubtful" in told.doubt
     both = rest_change(doubtful("before", heavy), doubtful("softer", heavy), ANGLES)
     assert both.doubt == ""

@@ -1,6 +1,8 @@
 """Every public function and type, one line each, and where it is made."""
 
 from surae.api.answers import change as change
+from surae.api.answers import course as course
+from surae.api.answers import curves_of as curves_of
 from surae.api.answers import fit_of as fit_of
 from surae.api.answers import fits_of as fits_of
 from surae.api.answers import other_change as other_change

@@ -37,7 +37,14 @@ from surae.report.leg_cards import PASSIVE
 from surae.report.trials import contradictions
 from surae.settings import FitSettings
 from surae.signals import ModelInputs
-from surae.trials import Crossed, Trial, TrialSet, in_order_of_content, prepared_for
+from surae.trials import (
+    Crossed,
+    Trial,
+    TrialSet,
+    efforts_of,
+    in_order_of_content,
+    prepared_for,
+)
 from surae.trials.folder import JOINT, TOO_FEW, claimed, fit_name
 from surae.trials.nerve import nerve_of
 
@@ -279,6 +286,12 @@ class _Run:
             self.joint_predictions,
             self.interrupted,
             self.nerve,
+            efforts_of(
+                part
+                for trial in self.session.trials
+                if trial.effort == "maximal"
+                for part in self.inputs.get(trial.name, ())
+            ),
         )
 
     def _new(self, name: str) -> Quality:

@@ -1,7 +1,7 @@
 """What is compared: a fit, the folder of a session, or recordings of a visit; and its rest."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +10,10 @@ from surae.api.fitted import Fit
 from surae.api.fitting import load
 from surae.api.given import AnyRecording
 from surae.api.relaxing import inputs_of
-from surae.base.errors import InputError
+from surae.base.errors import InputError, within
 from surae.base.files import PathLike, shown
 from surae.base.frozen import FrozenDict
+from surae.base.records import from_plain
 from surae.inference import Adequacy, Grade
 from surae.inference.relaxed.context import UNKNOWN
 from surae.inference.relaxed.curve import RelaxedCurve
@@ -20,7 +21,8 @@ from surae.measures.at_rest import curve_of, relaxed_of
 from surae.measures.compared import Quantities, quantities
 from surae.recording.reading import data_files_below, is_recording
 from surae.signals import ModelInputs
-from surae.trials.folder import INDEX, JOINT, fit_in, require_own
+from surae.trials import Effort, efforts_of, is_named_maximal
+from surae.trials.folder import INDEX, JOINT, fit_in, index_of, require_own
 
 #: A visit that is compared: a fit, its file, the folder of a session; or recordings, their folder.
 Visited = Fit | AnyRecording | Sequence[AnyRecording]
@@ -32,6 +34,8 @@ class Side:
 
     fit: Fit | None
     inputs: tuple[ModelInputs, ...]
+    #: Of its trials of maximal effort; a session says which they are, else their names do.
+    efforts: tuple[Effort, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -66,7 +70,12 @@ def side_of(given: Visited) -> Side:
     if isinstance(given, str) or hasattr(given, "__fspath__"):
         return _at(Path(given))  # type: ignore[arg-type]
     several = given if isinstance(given, list | tuple) else [given]
-    return Side(None, inputs_of(several))
+    return _of_inputs(inputs_of(several))
+
+
+def _of_inputs(inputs: tuple[ModelInputs, ...]) -> Side:
+    maximal = (each for each in inputs if is_named_maximal(each.name))
+    return Side(None, inputs, efforts_of(maximal))
 
 
 def _at(place: Path) -> Side:
@@ -74,7 +83,7 @@ def _at(place: Path) -> Side:
     if _is_session(place):
         fit = load(fit_in(place))
         require_own(place, fit.result.problem.inputs)
-        return _of_fit(fit)
+        return replace(_of_fit(fit), efforts=_efforts_in(place))
     if place.suffix.lower() == ".json":
         return _of_fit(load(place))
     files = [place]
@@ -82,7 +91,14 @@ def _at(place: Path) -> Side:
         files = [each for each in data_files_below(place) if is_recording(each)]
     if not files:
         raise InputError(f"{shown(place)}: neither a session nor recordings are in this folder")
-    return Side(None, inputs_of(files))
+    return _of_inputs(inputs_of(files))
+
+
+def _efforts_in(folder: Path) -> tuple[Effort, ...]:
+    """What the index of a session has of efforts; none where an older surae wrote it."""
+    index = index_of(folder) or {}
+    with within(shown(folder / INDEX), "; damaged, or of a newer surae"):
+        return tuple(from_plain(Effort, each) for each in index.get("efforts", ()))
 
 
 def _is_session(place: Path) -> bool:

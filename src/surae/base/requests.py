@@ -230,12 +230,19 @@ class ChangeSettings(Request):
         "alike cancels; of two legs it does not.",
         help="BEFORE and AFTER are two legs of one person.",
     )
+    mounted: bool = setting(
+        False,
+        "Whether the foot stayed in the device between the two, as between trials of one visit: "
+        "what rest tells is then compared without an error of mounting it anew.",
+        help="The foot stayed in the device between BEFORE and AFTER.",
+    )
     question: tuple[str, ...] = setting(
         (),
         "Names of measures that were in question before the second visit was opened, judged at "
-        "the full level; all else is exploratory.",
+        'the full level; all else is exploratory. ``"strength"`` is that of both muscle groups.',
         option="question",
         metavar="NAME",
-        help="A measure asked beforehand, as torque_rise or slow_stiffness@10deg; may be repeated. "
+        help="What was asked beforehand, as torque_rise, slow_stiffness@10deg or strength; may be "
+        "repeated. "
         "All else is exploratory.",
     )

@@ -1,5 +1,7 @@
 """`surae change`."""
 
+from collections.abc import Sequence
+from datetime import datetime
 from typing import Any
 
 import click
@@ -14,8 +16,7 @@ from surae.cli.screen import show_answer, show_files
 
 
 @click.command("change")
-@click.argument("before", metavar="BEFORE")
-@click.argument("after", metavar="AFTER")
+@click.argument("visits", metavar="BEFORE… AFTER", nargs=-1, required=True)
 @click.option(
     "--baseline",
     "baselines",
@@ -24,27 +25,45 @@ from surae.cli.screen import show_answer, show_files
     help="A further session before anything changed; may be repeated.",
 )
 @settings_options(ChangeSettings)
+@click.option(
+    "--day",
+    "days",
+    multiple=True,
+    type=click.DateTime(["%Y-%m-%d"]),
+    metavar="YYYY-MM-DD",
+    help="When each of three visits or more was, in their order.  [default: equally far apart]",
+)
 @click.option("--output", metavar="C.json", help="Write the comparison.")
 @click.option("--report", metavar="C.html", help="Write a page of it: HTML or PDF.")
 @LANGUAGE
 def command(
-    before: str,
-    after: str,
+    visits: tuple[str, ...],
+    days: tuple[datetime, ...],
     baselines: tuple[str, ...],
     output: str | None,
     report: str | None,
     language: str,
     options: dict[str, Any],
 ) -> None:
-    """Compare a leg between two sessions, or the two legs of a person.
+    """Compare a leg between its visits, or the two legs of a person.
 
-    BEFORE and AFTER are files of fits or folders of sessions; recordings or folders of them, whose
-    rest is compared; or files of surae impedance or surae stretches. Errors that two sessions of a
-    leg have in common cancel; of two legs (--legs) none do. What is asked beforehand (--question)
-    is judged at the full level; all else is exploratory, and to be confirmed.
+    BEFORE and AFTER are two visits; of three or more, in their order, the course is judged: a
+    straight line through each measure. They are files of fits or folders of sessions; recordings
+    or folders of them, whose rest and maximal efforts are compared; or files of surae impedance or
+    surae stretches. Errors that two sessions of a leg have in common cancel; of two legs (--legs)
+    none do. What is asked beforehand (--question) is judged at the full level; all else is
+    exploratory, and to be confirmed.
     """
     outputs = {"--output": output, "--report": report}
-    check_outputs(outputs, [before, after, *baselines], spare_fits=True)
+    check_outputs(outputs, [*visits, *baselines], spare_fits=True)
+    if len(visits) < 2:
+        raise InputError("one visit has nothing to be compared with; give two or more")
+    if len(visits) > 2:
+        _course(visits, days, baselines, output, report, language, options)
+        return
+    if days:
+        raise InputError("--day is of three visits or more; leave it out of two")
+    before, after = visits
 
     found = api.other_change(before, after)
     if found is not None:
@@ -68,7 +87,34 @@ def command(
             report,
             change,
             api.fits_of(before, after),
+            curves=api.curves_of(before, after),
             language=language,
             angle=angles[0] if len(angles) == 1 else None,
         )
+    show_files({"change": output, "report": report})
+
+
+def _course(
+    visits: Sequence[str],
+    days: Sequence[datetime],
+    baselines: Sequence[str],
+    output: str | None,
+    report: str | None,
+    language: str,
+    options: dict[str, Any],
+) -> None:
+    """Three visits or more."""
+    if baselines:
+        raise InputError("baselines are of two visits; name every visit in its order instead")
+    if days and len(days) != len(visits):
+        raise InputError(f"{len(visits)} visits have {len(days)} days; give --day for each")
+    api.check_report(report)
+    since = [float((day - days[0]).days) for day in days] or None
+    with compilation_notice():
+        change = api.course(visits, days=since, **options)
+    if output is not None:
+        change.save(output)
+    show_answer(change.as_table())
+    if report is not None:
+        api.write_change_page(report, change, [], language=language)
     show_files({"change": output, "report": report})

@@ -20,7 +20,7 @@ adds has Student's t, with the degrees of freedom of Welch and Satterthwaite.
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from surae.base.errors import InputError
@@ -33,9 +33,11 @@ from surae.base.tables import Tabular, TextTable
 from surae.base.words import Message
 from surae.measures.claims import false_discovery, holm
 from surae.measures.compared import Quantities, Quantity
+from surae.measures.course import Series
 from surae.measures.difference import ChangeVerdict, Difference, sentence_of, with_part
 from surae.measures.relaxed_change import RestChange, RestDifference
 from surae.measures.reliability import SCATTER
+from surae.measures.strength import STRENGTH, StrengthDifference
 
 #: `SCATTER` of the tibialis's tendon, hardly stretched and the worst of these; on a measured leg it
 #: differed by chance in three of 21 pairs of trials that 1.2 was for.
@@ -46,13 +48,15 @@ _RANGES = 1.0
 #: Level of all claims together, and the power with which the smallest change would be shown.
 LEVEL = 0.05
 POWER = 0.80
+#: Questions by a word: the measures that they are about.
+QUESTIONS = {"strength": tuple(STRENGTH)}
 #: Columns of the table that hold numbers.
 _NUMBERS = ("before", "after", "difference", "95 % interval", "would show")
 #: Degrees of freedom of what is known as well as the normal distribution.
 _MANY = 1e9
 
 
-@filed("before", "after", "legs", "is_withheld")
+@filed("before", "after", "legs", "is_withheld", sparse=("visits", "times", "series"))
 @dataclass(frozen=True, slots=True, repr=False)
 class Change(Tabular, Saved):
     """Two sessions compared."""
@@ -70,6 +74,10 @@ class Change(Tabular, Saved):
     legs: bool = False  #: Whether they are two legs, and not two sessions of one.
     #: Whether differences are shown and none is judged, for what they rest on is doubtful.
     is_withheld: bool = False
+    #: Of more than two visits: names of all, when they were, and every measure at each.
+    visits: tuple[str, ...] = ()
+    times: tuple[float, ...] = ()
+    series: FrozenDict[str, Series] = field(default_factory=FrozenDict)
 
     @property
     def changed(self) -> tuple[Difference, ...]:
@@ -118,7 +126,7 @@ class Change(Tabular, Saved):
                 shown = significant(d.smallest, 2)
                 verdict = str(d.verdict)
             rows.append((d.name, *values, text.value, text.interval, shown, d.unit, verdict))
-        sides = (", ".join(side.recordings) for side in (self.before, self.after))
+        sides = self.visits or [", ".join(s.recordings) for s in (self.before, self.after)]
         baselines = f"The spread between sessions is that of {self.baselines} baselines."
         return TextTable(
             ("of", *_NUMBERS, "unit", "verdict"),
@@ -149,13 +157,15 @@ def compare_sessions(
     *,
     legs: bool = False,
     rest: RestChange | None = None,
+    strength: Mapping[str, StrengthDifference] = FrozenDict(),
     question: Sequence[str] = (),
 ) -> Change:
     """Compare two sessions of a leg, or its two legs, whose own errors do not cancel.
 
     How far `baselines`, sessions before anything changed, scatter beyond their own uncertainty is
-    taken for the spread between sessions. What `rest` tells goes before what fits tell; `question`
-    names what was asked beforehand, with or without the point after its ``@``.
+    taken for the spread between sessions. What `rest` tells, and maximal efforts of `strength`, go
+    before what fits tell; `question` names what was asked beforehand, with or without the point
+    after its ``@``, or ``"strength"``.
     """
     if legs and baselines:
         raise InputError("baselines are sessions of one leg; leave them out to compare two legs")
@@ -163,11 +173,13 @@ def compare_sessions(
     for name in dict.fromkeys((*before.by_name, *after.by_name)):
         own = [b.by_name[name] for b in baselines if name in b.by_name]
         draft, freedom = _difference(name, before, after, own, legs=legs)
-        doubt = None if draft.p is None else _doubt(name, before, after, legs=legs)
+        doubt = None if draft.p is None else doubt_of(name, before, after, legs=legs)
         drafts[name] = draft, freedom, doubt or ""
     if rest is not None:
         drafts = _with_rest(drafts, rest)
-    judged, counts = _all_judged(drafts, asked_of(question, drafts), legs=legs)
+    efforts = {name: (_of_strength(each), _MANY, "") for name, each in strength.items()}
+    drafts = {**drafts, **efforts}
+    judged, counts = all_judged(drafts, asked_of(question, drafts), legs=legs)
     measures, parameters = (
         FrozenDict((n, d) for n, d in judged.items() if d.kind == kind)
         for kind in ("measure", "parameter")
@@ -192,10 +204,17 @@ def asked_of(question: Sequence[str], names: Iterable[str]) -> frozenset[str]:
     every = tuple(names)
     asked: set[str] = set()
     for one in question:
-        of = [name for name in every if one in (name, name.partition("@")[0])]
+        of = [name for name in QUESTIONS.get(one, ()) if name in every]
+        if one in QUESTIONS and not of:
+            raise InputError(
+                f"question {one!r}: neither visit has a trial of maximal effort; record three "
+                "efforts of each group, held still, and name the file max"
+            )
+        of = of or [name for name in every if one in (name, name.partition("@")[0])]
         if not of:
             raise InputError(
-                f"question {one!r}: no such measure or parameter is compared{nearest(one, every)}"
+                f"question {one!r}: no such measure or parameter is compared"
+                f"{nearest(one, (*every, *QUESTIONS))}"
             )
         asked.update(of)
     return frozenset(asked)
@@ -237,7 +256,29 @@ def _of_rest(d: RestDifference) -> Difference:
     )
 
 
-def _all_judged(
+def _of_strength(d: StrengthDifference) -> Difference:
+    """A difference of strength, not yet judged."""
+    p = None
+    if d.difference is not None and d.sd is not None:
+        p = Student(d.difference, d.sd, _MANY).p
+    return Difference(
+        d.name,
+        d.unit,
+        d.meaning,
+        "measure",
+        d.before,
+        d.after,
+        d.difference,
+        d.ci95,
+        p,
+        None,
+        ChangeVerdict.NOT_COMPARABLE,
+        Message("change/not-comparable", why=d.missing) if d.missing else "",
+        basis="effort",
+    )
+
+
+def all_judged(
     drafts: Mapping[str, tuple[Difference, float, str]], asked: frozenset[str], *, legs: bool
 ) -> tuple[dict[str, Difference], tuple[int, int]]:
     """All differences judged, and how many were: of what was asked, and of all else."""
@@ -267,7 +308,7 @@ def _multiplicity(counts: tuple[int, int], doubts: Sequence[str], *, withheld: b
     return Message("change/exploratory", n=counts[1])
 
 
-def _doubt(name: str, before: Quantities, after: Quantities, *, legs: bool) -> str | None:
+def doubt_of(name: str, before: Quantities, after: Quantities, *, legs: bool) -> str | None:
     """Which fits are doubtful of it: of unchanged pairs of a leg, such called one in four changed.
 
     A doubt that does not touch a value does not withhold its change; what both have by rest alone
@@ -311,7 +352,7 @@ def _difference(
         known.from_deg,
         known.to_deg,
     )
-    why = _obstacle(before, after, a, b)
+    why = obstacle(before, after, a, b)
     if why or a is None or b is None or a.value is None or b.value is None:
         return replace(bare, note=Message("change/not-comparable", why=why)), math.inf
     drawn = sum(s.total**2 if legs else s.session**2 + s.model**2 for s in (a, b))
@@ -327,7 +368,7 @@ def _difference(
     return draft, freedom
 
 
-def _obstacle(before: Quantities, after: Quantities, a: Quantity | None, b: Quantity | None) -> str:
+def obstacle(before: Quantities, after: Quantities, a: Quantity | None, b: Quantity | None) -> str:
     """Why two values cannot be compared; empty where they can."""
     for side, when in ((a, "before"), (b, "after")):
         if side is None:

@@ -9,6 +9,9 @@ from surae.base.words import Message
 from surae.inference.judging.parameter import percent
 from surae.measures.plain import PLAIN, plain_name
 
+#: Sentences at most, of what was asked.
+_MOST_SAID = 4
+
 
 class ChangeVerdict(StrEnum):
     """Judgement of one difference."""
@@ -45,7 +48,8 @@ class Difference:
     #: Of a measure at a stated angle that rest tells: at the angle that the device shows.
     ci95_device: tuple[float, float] | None = None
     asked: bool = False  #: Whether it was asked beforehand.
-    basis: str = "model"  #: ``"rest"`` or ``"model"``.
+    #: ``"rest"``, ``"model"``; or ``"effort"``, of maximal efforts that were held still.
+    basis: str = "model"
 
 
 def with_part(said: Message, change: float, of: Difference) -> Message:
@@ -56,11 +60,22 @@ def with_part(said: Message, change: float, of: Difference) -> Message:
 
 
 def sentence_of(every: Sequence[Difference], looked: int, *, legs: bool) -> Message:
-    """The answer in one sentence: what was asked, else what changed most clearly."""
+    """The answer: a sentence of each that was asked, else of what changed most clearly."""
     asked = [d for d in every if d.asked]
+    if len(asked) > 1:
+        told = [_said_of(d, looked, legs=legs) for d in asked[:_MOST_SAID]]
+        said = told[0]
+        for each in told[1:]:
+            said = Message("{said} {more}", said=said, more=each)
+        return said
     lead = _lead(asked or [d for d in every if d.kind == "measure"])
     if lead is None or (lead.p is None and not lead.asked):
         return Message("change/said/nothing")
+    return _said_of(lead, looked, legs=legs)
+
+
+def _said_of(lead: Difference, looked: int, *, legs: bool) -> Message:
+    """A sentence with direction, amount, interval, and what would have been shown."""
     what = plain_name(lead.name)
     if lead.difference is None or lead.ci95 is None or lead.p is None:
         return Message("change/said/none", what=what, why=lead.note)

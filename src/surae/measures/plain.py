@@ -10,6 +10,8 @@ PLAIN = {
     "active_width_tri": N_("Width of the calf’s active range"),
     "tendon_rotational_stiffness_tri": N_("Stiffness of the calf’s tendon, {at}"),
     "maximal_torque_tri": N_("Most torque of the calf"),
+    "voluntary_torque_tri": N_("Strength of the calf"),
+    "voluntary_torque_tib": N_("Strength of the tibialis"),
     "passive_torque": N_("Torque at rest, {at}"),
     "passive_stiffness": N_("Stiffness at rest, {at}"),
     "slow_torque": N_("Torque in a slow stretch, {at}"),

@@ -18,7 +18,7 @@ from surae.base.units import FloatArray
 from surae.base.words import Message
 from surae.inference import Grade
 from surae.inference.relaxed.curve import PossibleLegs, RelaxedCurve
-from surae.inference.relaxed.pair import LegPairs, paired_legs
+from surae.inference.relaxed.pair import REMOUNTED, LegPairs, paired_legs, remounted_by
 from surae.measures.measure import Measure
 from surae.measures.reliability import reliability_of
 from surae.measures.rest import values_of_rest
@@ -33,8 +33,8 @@ _STEP = 1.0
 _FEWEST = 12
 SHIFT = "curve_shift"
 #: What makes a curve doubtful, and of which kind it is. Plate and nerve are the same at both
-#: visits, and then cancel; the joint posterior says how likely they are not, and from where on none is
-#: judged.
+#: visits, and then cancel; the joint posterior says how likely they are not, and from where on
+#: none is judged.
 _KINDS = {
     "relaxed/noisy": "noisy",
     "relaxed/short": "short",
@@ -84,6 +84,7 @@ def rest_change(
     angles: Sequence[float],
     *,
     legs: bool = False,
+    remounted: float = REMOUNTED,
 ) -> RestChange:
     """What changed of the relaxed leg, by one estimate of both visits.
 
@@ -94,14 +95,16 @@ def rest_change(
     angles : sequence of float
         Where torque and stiffness are compared [deg], of the ankle's own.
     legs : bool
-        Whether they are two legs, which share nothing.
+        Whether they are two legs, which share nothing but the device.
+    remounted : float
+        By how much a foot is turned as it is mounted anew [deg]: `remounting` learns it.
 
     Returns
     -------
     RestChange
         Differences over the range that both moved through.
     """
-    pairs = paired_legs(before, after, one_leg=not legs)
+    pairs = paired_legs(before, after, one_leg=not legs, remounted=remounted)
     moved = (max(before.moved[0], after.moved[0]), min(before.moved[1], after.moved[1]))
     sides = []
     for curve, possible in ((before, pairs.before), (after, pairs.after)):
@@ -110,6 +113,31 @@ def rest_change(
     made = {name: _difference(sides[0][name], sides[1][name]) for name in sides[0]}
     made[SHIFT] = _shift(before, after, pairs.before, pairs.after)
     return RestChange(FrozenDict(made), _doubt(before, after, pairs), pairs.alike)
+
+
+def remounting(first: RelaxedCurve, others: Sequence[RelaxedCurve]) -> float:
+    """By how much a foot is turned as it is mounted anew [deg], as visits without a change show.
+
+    Parameters
+    ----------
+    first : RelaxedCurve
+        Of one visit.
+    others : sequence of RelaxedCurve
+        Of further visits before anything changed; without any it is as assumed.
+
+    Returns
+    -------
+    float
+        One standard deviation. A leg that has not changed has its curve elsewhere on the device
+        for nothing but its mounting.
+    """
+    told = []
+    for other in others:
+        pairs = paired_legs(first, other)
+        shifts = shift_of(first, other, pairs.before, pairs.after, sized=False)
+        if shifts is not None:
+            told.append((float(np.median(shifts)), float(np.var(shifts))))
+    return remounted_by([each for each, _ in told], [each for _, each in told])
 
 
 def with_detectable_changes(
@@ -128,6 +156,11 @@ def with_detectable_changes(
         sem = sdc / (NORMAL * math.sqrt(2.0))
         made.append(replace(m, sdc=sdc, reliability=reliability_of(m.name, m.unit, sem)))
     return tuple(made)
+
+
+def doubt_between(before: RelaxedCurve, after: RelaxedCurve) -> str:
+    """Why no difference of these visits is judged; empty where they are."""
+    return _doubt(before, after, paired_legs(before, after))
 
 
 def _doubt(before: RelaxedCurve, after: RelaxedCurve, pairs: LegPairs) -> str:
@@ -259,9 +292,17 @@ def _shift(
 
 
 def shift_of(
-    before: RelaxedCurve, after: RelaxedCurve, first: PossibleLegs, second: PossibleLegs
+    before: RelaxedCurve,
+    after: RelaxedCurve,
+    first: PossibleLegs,
+    second: PossibleLegs,
+    *,
+    sized: bool = True,
 ) -> FloatArray | None:
-    """The shift of each pair [deg], shape (n,); None where curves overlap too little."""
+    """The shift of each pair [deg], shape (n,); None where curves overlap too little.
+
+    The curve may have become larger by it where `sized`, else it is as large as it was.
+    """
     reach = float(_SHIFTS[-1])
     low = max(after.low, before.low)
     high = min(after.high, before.high)
@@ -275,6 +316,9 @@ def shift_of(
         at = np.clip(degrees - shift, before.low - reach, before.high + reach)
         laid = first.weights @ before.basis.features(at).T
         laid = laid - laid.mean(axis=1, keepdims=True)
+        if not sized:
+            left.append(((aim - laid) ** 2).sum(axis=1))
+            continue
         along = (laid * aim).sum(axis=1) ** 2 / np.maximum((laid**2).sum(axis=1), 1e-12)
         left.append((aim**2).sum(axis=1) - along)
     costs = np.array(left)

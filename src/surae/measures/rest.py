@@ -207,7 +207,7 @@ def _of_range(
             (low, high),
         ),
     }
-    short = curve.high < high - _REACHES
+    short = curve.high < high - _REACHES or high - low < _REACHES  # a hold alone has no range
     begins = curve.low <= low + _REACHES
     for name, (unit, meaning, span) in ends.items():
         bare = _Asked(name, unit, meaning, span=span)

@@ -6,11 +6,13 @@ from datetime import datetime
 from surae.base.formatting import NO_NUMBER
 from surae.base.words import JUDGEMENTS
 from surae.inference import AssessedFit, Grade
+from surae.inference.relaxed.curve import RelaxedCurve
 from surae.measures.change import Change
 from surae.measures.difference import ChangeVerdict, Difference
 from surae.measures.torque_curve import torque_curve
 from surae.report import block
 from surae.report.figures import Figure
+from surae.report.figures.change import before_and_after_figure, course_figure
 from surae.report.figures.leg import visits_figure
 from surae.report.language import MEASURES, Words, words_in
 from surae.report.leg import angle_of
@@ -28,11 +30,12 @@ def change_report(
     created: datetime,
     language: str = "en",
     angle: float | None = None,
+    curves: Sequence[RelaxedCurve] = (),
 ) -> Report:
     """The page of a comparison: what was asked and what changed, then every measure.
 
-    `fits` are both that were compared, none where recordings were; torque and stiffness are given
-    at `angle` [deg].
+    `fits` are both that were compared, none where recordings were; `curves` are those of their
+    rest, none where one has no rest; torque and stiffness are given at `angle` [deg].
     """
     anatomy = [fit.result.problem.options.anatomy for fit in fits]
     _ = words_in(language, *anatomy[1:2])
@@ -42,10 +45,22 @@ def change_report(
     title = _("Do the legs differ?") if change.legs else _("Did it change?")
     cards = [block.Section(title, change_card(change, _), "change", "card")]
     figures: list[tuple[str, Figure]] = []
-    if fits:
-        made, drawn = _of_fits(change, fits, _)
-        cards += made
+    if change.series:
+        name = _shown(change)
+        said = _("Bars: 95 % of what another such visit would find. Line: the trend.")
+        picture = block.Picture("visits", _("Course over the visits"), said, "here", 100)
+        cards.append(block.Section(_("Course over the visits"), (picture,), "curves", "card"))
+        figures.append(("visits", course_figure(change, name, _)))
+    elif len(curves) == 2:
+        cards.append(_of_rest(_))
+        names = sides(change, _)
+        drawn = before_and_after_figure(curves[0], curves[1], names, _, legs=change.legs)
         figures.append(("visits", drawn))
+    elif fits:
+        cards.append(_of_models(_))
+        figures.append(("visits", _models_figure(change, fits, _)))
+    if fits:
+        cards.append(_trusted(fits, _))
     document = block.Document(
         kicker="",
         heading=title,
@@ -58,23 +73,46 @@ def change_report(
     return Report(document, figures)
 
 
-def _of_fits(
-    change: Change, fits: Sequence[AssessedFit], _: Words
-) -> tuple[list[block.Section], Figure]:
-    """What the fits of both add: their curves, and whether the worse of them can be trusted."""
-    names = sides(change, _)
-    worst = max(fits, key=lambda fit: list(Grade).index(fit.assessment.adequacy.grade)).assessment
-    curves = (
-        block.Picture("visits", _("Torque of the relaxed ankle over its angle"), "", "here", 100),
+def _shown(change: Change) -> str:
+    """The measure whose course is drawn: what was asked, what changed, else the first that has."""
+    drawn = [d for n, d in change.measures.items() if n in change.series and d.difference]
+    order = sorted(
+        drawn, key=lambda d: (not d.asked, d.verdict is not ChangeVerdict.CHANGED, d.p or 1.0)
     )
-    trusted = (light(worst.adequacy, reason_of(worst, (), _), _),)
-    drawn = visits_figure(
+    return order[0].name if order else next(iter(change.series))
+
+
+def _of_rest(_: Words) -> block.Section:
+    """Both relaxed curves, and their difference."""
+    said = _(
+        "Above: the relaxed ankle at both, with 95 % bands. Below: what lies between the two, laid "
+        "on each other where the range begins; where its band is off zero, they differ."
+    )
+    picture = block.Picture(
+        "visits", _("Torque of the relaxed ankle over its angle"), said, "here", 100
+    )
+    return block.Section(_("Torque and angle"), (picture,), "curves", "card")
+
+
+def _of_models(_: Words) -> block.Section:
+    """Both curves as fits have them."""
+    alt = _("Torque of the relaxed ankle over its angle")
+    curves = (block.Picture("visits", alt, "", "here", 100),)
+    return block.Section(_("Torque and angle"), curves, "curves", "card")
+
+
+def _models_figure(change: Change, fits: Sequence[AssessedFit], _: Words) -> Figure:
+    names = sides(change, _)
+    return visits_figure(
         [(name, torque_curve(fit)) for name, fit in zip(names, fits, strict=True)], _
     )
-    return [
-        block.Section(_("Torque and angle"), curves, "curves", "card"),
-        block.Section(_("Can I trust it?"), trusted, "trust", "card"),
-    ], drawn
+
+
+def _trusted(fits: Sequence[AssessedFit], _: Words) -> block.Section:
+    """Whether the worse of both fits can be trusted."""
+    worst = max(fits, key=lambda fit: list(Grade).index(fit.assessment.adequacy.grade)).assessment
+    trusted = (light(worst.adequacy, reason_of(worst, (), _), _),)
+    return block.Section(_("Can I trust it?"), trusted, "trust", "card")
 
 
 def _every(change: Change, at: float, _: Words) -> block.Section:

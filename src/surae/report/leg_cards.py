@@ -247,11 +247,11 @@ def change_card(change: Change | None, _: Words) -> tuple[block.Block, ...]:
     every = {**change.measures, **change.parameters}
     found = [d for n, d in every.items() if n in COMPARED or d.asked]
     found += [d for d in change.changed if d not in found]
-    changed = [d.name for d in change.changed]
-    asked = [d.name for d in change.changed if d.asked]
+    asked = any(d.asked for d in every.values())  # what was asked is what the card answers
+    changed = [d.name for d in change.changed if d.asked or not asked]
     if changed:
         how = _("different") if change.legs else _("changed")
-        headline = f"{_.measure((asked or changed)[0])}: {how}"
+        headline = f"{_.measure(changed[0])}: {how}"
     elif change.is_withheld:
         headline = _("Cannot tell")
     elif all(d.verdict is ChangeVerdict.NOT_COMPARABLE for d in every.values()):

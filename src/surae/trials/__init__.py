@@ -1,7 +1,16 @@
 """The trials of one leg: files in a folder, what each of them is, what it can tell."""
 
 from surae.trials.folder import trial_files
-from surae.trials.sorting import EFFORTS, Hold, Reading, Trial, sorted_trials, tell_together
+from surae.trials.sorting import (
+    EFFORTS,
+    Hold,
+    Reading,
+    Trial,
+    is_named_maximal,
+    sorted_trials,
+    tell_together,
+)
+from surae.trials.strength import Effort, efforts_of
 from surae.trials.trial_set import (
     Crossed,
     TrialSet,
@@ -14,12 +23,15 @@ from surae.trials.trial_set import (
 __all__ = [
     "EFFORTS",
     "Crossed",
+    "Effort",
     "Hold",
     "Reading",
     "Trial",
     "TrialSet",
     "common_errors",
+    "efforts_of",
     "in_order_of_content",
+    "is_named_maximal",
     "prepared_for",
     "reading_of",
     "sorted_trials",

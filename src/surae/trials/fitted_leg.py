@@ -8,6 +8,7 @@ from surae.inference import AssessedFit, Assessment
 from surae.nerve.leg import Nerve
 from surae.quality import Quality
 from surae.settings import FitSettings
+from surae.trials.strength import Effort
 from surae.trials.trial_set import Crossed, TrialSet
 
 
@@ -32,6 +33,8 @@ class FittedLeg:
     interrupted: bool = False  #: Whether the user stopped it.
     #: What slow and fast stretches and perturbations say of reflexes; None without such trials.
     nerve: Nerve | None = None
+    #: Efforts of the trials of maximal effort.
+    efforts: tuple[Effort, ...] = ()
 
     def __post_init__(self) -> None:
         """Make the mappings read-only."""

@@ -26,7 +26,7 @@ from surae.recording.described import ALONE, EFFORTS, EMPTY, TrialDescription
 from surae.recording.roles import words_of
 from surae.signals.selective import one_at_a_time
 
-__all__ = ["EFFORTS", "Hold", "Reading", "Trial", "sorted_trials"]
+__all__ = ["EFFORTS", "Hold", "Reading", "Trial", "is_named_maximal", "sorted_trials"]
 
 #: EMG is averaged over this [s] before its level is judged.
 _AVERAGED = 0.25
@@ -154,6 +154,11 @@ def sorted_trials(
     return tuple(_isometric(sorted_))
 
 
+def is_named_maximal(name: str) -> bool:
+    """Whether a trial is one of maximal effort by its name, as ``max-1`` or ``mvc_calf``."""
+    return bool({word.rstrip(digits) for word in words_of(name)} & _MAXIMAL_WORDS)
+
+
 def tell_together(angles: Iterable[float]) -> bool:
     """Whether holds at these angles [rad] show torque over angle."""
     apart = np.diff(np.sort(np.fromiter(angles, float)))
@@ -234,7 +239,7 @@ def _effort(
     trial: Trial, levels: Mapping[str, Mapping[str, _Level]], moving: Sequence[str]
 ) -> tuple[str, str]:
     """Effort of a trial, and why."""
-    if {word.rstrip(digits) for word in words_of(trial.name)} & _MAXIMAL_WORDS:
+    if is_named_maximal(trial.name):
         return "maximal", "maximal by its name"
     own = levels[trial.name]
     if not own:

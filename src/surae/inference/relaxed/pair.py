@@ -33,7 +33,7 @@ _ANEW = 0.015
 #: the part of a zero that nobody measured which two visits do not share (assumed; goniometers of
 #: one rater repeat within 1.3 to 2.8°, Konor et al. 2012, and a strapped foot at least as well).
 REMOUNTED = 1.5
-#: How far baselines are asked before they outweigh that: as so many of them.
+#: How many visits that is worth when baselines show how a foot was mounted.
 _BELIEVED = 4
 #: Probability that a plate, or a reflex, which one visit has is there at the other too.
 _STAYS = 0.95
@@ -132,6 +132,29 @@ def paired_legs(
         for k, curve in enumerate((before, after))
     ]
     return LegPairs(sides[0], sides[1], told, _unlike(before, after, joint))
+
+
+def remounted_by(shifts: Sequence[float], variances: Sequence[float]) -> float:
+    """By how much a foot is turned as it is mounted anew [deg], as unchanged visits have it.
+
+    Parameters
+    ----------
+    shifts, variances : sequence of float
+        By how much the curve of each further visit lies beside that of the first [deg], and how
+        unsure that is [deg²].
+
+    Returns
+    -------
+    float
+        √((ν·s² + Σ(δ − δ̄)² − Σv)/(ν + n)) over all visits, the first with δ = 0: what is assumed,
+        s, counts as ν visits (the mean of a scaled inverse χ², nearly).
+    """
+    if not shifts:
+        return REMOUNTED
+    every = np.array([0.0, *shifts])
+    seen = float(((every - every.mean()) ** 2).sum()) - 0.5 * sum(variances)
+    known = _BELIEVED * REMOUNTED**2 + max(seen, 0.0)
+    return math.sqrt(known / (_BELIEVED + len(shifts)))
 
 
 def _joint_parts(
