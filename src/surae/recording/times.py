@@ -140,7 +140,7 @@ def seconds(unit: str, name: str, where: str) -> float:
         percent = " (a movement in percent has no speed)" * ("%" in unit or "percent" in unit)
         raise InputError(
             f"{where}, column {name!r}: unit {unit!r} is not known for time{percent}; use "
-            "time_s, time_ms, time_us, time_ns, time_min or time_h"
+            "time_s or time_ms, time_us, time_ns, time_min or time_h"
         )
     return known
 

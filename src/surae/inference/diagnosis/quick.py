@@ -14,7 +14,7 @@ from surae.base.frozen import FrozenDict, read_only
 from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
 from surae.base.words import Message
-from surae.inference import make_problem
+from surae.inference import FitProblem, make_problem
 from surae.inference.least_squares.minimise import Ends, minimise
 from surae.inference.least_squares.residuals import Residuals, curved_move
 from surae.inference.least_squares.separable import scan_lengths, solve_linear
@@ -57,20 +57,13 @@ class QuickFit:
         return max(1.0 - self.r2, 1e-4)
 
 
-def quick_fit(
-    recording: Recording,
-    signals: Signals,
-    *,
-    later: dict[str, float] | None = None,
-    zero: bool = True,
-    near: QuickFit | None = None,
-) -> QuickFit | None:
-    """Fit model 1.0 quickly to what a recording might be.
+def quick_problem(
+    recording: Recording, signals: Signals, later: dict[str, float] | None = None
+) -> FitProblem | None:
+    """What a quick fit minimises: few samples of the signals, the EMG's levels above rest.
 
-    `signals` are those of what it might be; `later` is by how much the EMG of a muscle is
-    late [s], which is taken away; `zero` says whether the torque's zero is free. Lengths begin
-    where a fit `near` has them, whose muscles are the same, or are looked for. None where the model
-    cannot be fitted to it.
+    `later` is by how much the EMG of a muscle is late [s], which is taken away. None where model
+    1.0 cannot be fitted.
     """
     assert signals.torque is not None
     compile_all()
@@ -88,7 +81,6 @@ def quick_fit(
                 level = shifted(level, -round(later[muscle] * rate))
             emg[:, MUSCLES.index(muscle)] = smooth(level, step)
     silent = [f"g{k + 1}" for k in range(len(MUSCLES)) if not emg[:, k].any()]
-    measured = read_only(signals.torque[thin])
     inputs = ModelInputs(
         recording.name,
         rate / step,
@@ -98,13 +90,35 @@ def quick_fit(
         acceleration=read_only(np.gradient(velocity, 1.0 / rate)[thin]),
         emg=read_only(emg[thin]),
         emg_unit="V",
-        torque=measured,
+        torque=read_only(signals.torque[thin]),
     )
     mass = {name: value for name, value in recording.fixed.items() if name == "m"}
     try:
-        problem = make_problem([inputs], fixed=dict.fromkeys(silent, 0.0) | mass)
+        return make_problem([inputs], fixed=dict.fromkeys(silent, 0.0) | mass)
     except InputError:
         return None
+
+
+def quick_fit(
+    recording: Recording,
+    signals: Signals,
+    *,
+    later: dict[str, float] | None = None,
+    zero: bool = True,
+    near: QuickFit | None = None,
+) -> QuickFit | None:
+    """Fit model 1.0 quickly to what a recording might be.
+
+    `signals` are those of what it might be; `later` is by how much the EMG of a muscle is
+    late [s], which is taken away; `zero` says whether the torque's zero is free. Lengths begin
+    where a fit `near` has them, whose muscles are the same, or are looked for. None where the model
+    cannot be fitted to it.
+    """
+    problem = quick_problem(recording, signals, later)
+    if problem is None:
+        return None
+    measured = problem.inputs[0].torque
+    assert measured is not None
     residuals = Residuals(problem)
 
     def rows(x: FloatArray, wanted: Sequence[int] | None = None) -> FloatArray:
@@ -157,11 +171,12 @@ def independent(residual: FloatArray) -> float:
     return float(len(e) / (1.0 + 2.0 * rho[1:end].sum()))
 
 
-def _slow(rows: FloatArray, values: Mapping[str, float]) -> FrozenDict[str, tuple[float, float]]:
-    """What grows evenly through a trial, by what it explains of the residual, to first order."""
-    e = -rows[-1]
-    derivatives = rows[:-1]
-    u = np.linspace(-0.5, 0.5, len(e))
+def growing(derivatives: FloatArray, values: Mapping[str, float]) -> dict[str, FloatArray]:
+    """What the torque would be of something that grows evenly through a trial, by signal.
+
+    A torque's zero, in Nm, and the effect of an EMG, as a part of it.
+    """
+    u = np.linspace(-0.5, 0.5, derivatives.shape[1])
     names = list(values)
     grows = {"torque": u}
     for group, weights in _GROUPS.items():
@@ -170,6 +185,15 @@ def _slow(rows: FloatArray, values: Mapping[str, float]) -> FrozenDict[str, tupl
         pulls = [values[weight] * derivatives[names.index(weight)] for weight in known]
         if known:
             grows[group] = u * np.sum(pulls, axis=0)
+    return grows
+
+
+def _slow(rows: FloatArray, values: Mapping[str, float]) -> FrozenDict[str, tuple[float, float]]:
+    """What grows evenly through a trial, by what it explains of the residual, to first order."""
+    e = -rows[-1]
+    derivatives = rows[:-1]
+    u = np.linspace(-0.5, 0.5, len(e))
+    grows = growing(derivatives, values)
     others = np.column_stack([np.ones_like(u), *derivatives])
     others /= np.maximum(np.linalg.norm(others, axis=0), 1e-300)
     basis = np.linalg.qr(others)[0]
