@@ -236,6 +236,111 @@ def test_help_loads_no_plugin(laboratory, tmp_path) -> None:
     assert shell(tmp_path, "fit", "none.csv", "--model", "muscle").returncode == 2
 
 
+FAULTY = """
+import sys
+from surae.measures import Definition
+from surae.quality import Check, Finding
+
+
+def raises(leg, _):
+    raise TypeError("it does not know this leg")
+
+
+def ends(trial):
+    sys.exit(7)
+
+
+MEASURE = Definition("slack_span", "deg", raises, is_angle=True)
+CHECK = Check(("too-long",), ends)
+"""
+OF_ONE = "[surae.{}]\n{} = faulty:{}\n"
+
+
+@pytest.fixture
+def installed(tmp_path, monkeypatch):
+    """Install a distribution by its entry points and the module that they name."""
+    folder = tmp_path / "site"
+    folder.mkdir()
+    path = os.pathsep.join(filter(None, (str(folder), os.environ.get("PYTHONPATH"))))
+    monkeypatch.setenv("PYTHONPATH", path)
+
+    def install(name, points, source=FAULTY, module="faulty"):
+        (folder / f"{name}-1.0.dist-info").mkdir()
+        (folder / f"{name}-1.0.dist-info" / "METADATA").write_text(f"Name: {name}\nVersion: 1.0\n")
+        (folder / f"{name}-1.0.dist-info" / "entry_points.txt").write_text(points)
+        (folder / f"{module}.py").write_text(source)
+
+    return install
+
+
+@pytest.fixture
+def trial(tmp_path):
+    done = shell(tmp_path, "example", "trial.csv")
+    assert done.returncode == 0, done.stderr
+    return "trial.csv"
+
+
+@pytest.mark.parametrize("ending", ["raise SystemExit(3)", "import sys; sys.exit()", "1 / 0"])
+def test_a_plugin_that_ends_the_program_when_it_is_loaded_is_a_line(
+    installed, tmp_path, trial, ending
+):
+    installed("ours", OF_ONE.format("checks", "too-long", "CHECK"), ending)
+    done = shell(tmp_path, "check", trial)
+    assert done.returncode == 0, done.stderr
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("surae: too-long is left out of surae.checks: ")
+    assert done.stdout
+
+
+def test_a_plugin_whose_function_ends_the_program_is_named(installed, tmp_path, trial):
+    installed("ours", OF_ONE.format("checks", "too-long", "CHECK"))
+    done = shell(tmp_path, "check", trial)
+    (line,) = done.stderr.splitlines()
+    assert line.startswith(
+        "surae: the plugin too-long (surae.checks of ours) failed (SystemExit: 7)"
+    )
+    assert done.returncode == 1
+
+
+def test_a_plugin_whose_function_fails_is_named(installed, tmp_path):
+    installed("ours", OF_ONE.format("measures", "slack_span", "MEASURE"))
+    code = (
+        "import sys, surae.cli, surae\n"
+        "from surae.measures import measures_of_values\n"
+        "leg = surae.virtual_subject(seed=1).parameters\n"
+        "def main(*a, **k): measures_of_values(leg, 'muscle')\n"
+        "surae.cli.group.main = main\n"
+        "surae.cli.main()"
+    )
+    done = python(code, tmp_path)
+    (line,) = done.stderr.splitlines()
+    assert line.startswith(
+        "surae: the plugin slack_span (surae.measures of ours) failed (TypeError"
+    )
+    assert done.returncode == 1
+
+
+def test_two_of_one_name_are_said(installed, tmp_path, trial):
+    quiet = "from surae.quality import Check\nCHECK = Check(('too-long',), lambda _: iter(()))\n"
+    installed("ours", OF_ONE.format("checks", "too-long", "CHECK"), quiet)
+    points = "[surae.checks]\ntoo-long = other:CHECK\n[surae.commands]\nserve = other:command\n"
+    installed("theirs", points, quiet, "other")
+    done = shell(tmp_path, "check", trial)
+    (line,) = done.stderr.splitlines()
+    assert "is left out: there is another of its name" in line
+    served = shell(tmp_path, "serve", "--help")
+    assert "surae serve of theirs is left out" in served.stderr
+    assert served.stdout.startswith("Usage: surae serve")
+
+
+def test_what_numba_refuses_is_one_line(tmp_path, trial, monkeypatch):
+    monkeypatch.setenv("NUMBA_NUM_THREADS", "0")
+    done = shell(tmp_path, "fit", trial)
+    (line,) = done.stderr.splitlines()
+    assert "NUMBA_NUM_THREADS=0" in line
+    assert done.returncode == 2
+
+
 def test_an_integrator_that_nobody_has_is_refused() -> None:
     with pytest.raises(InputError, match="runge"):
         ModelOptions(integrator="runge")

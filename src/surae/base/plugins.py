@@ -8,7 +8,10 @@ import logging
 from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from itertools import chain
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 V_co = TypeVar("V_co", covariant=True)
 
@@ -23,10 +26,14 @@ def plugins(group: str, kind: type) -> dict[str, Any]:
     """
     from importlib.metadata import entry_points
 
-    found = {}
+    found: dict[str, Any] = {}
     for point in entry_points(group=f"surae.{group}"):
+        _homes.setdefault(point.module.partition(".")[0], _offer(point))
+        if point.name in found:
+            _log.warning("surae: %s is left out: there is another of its name", _offer(point))
+            continue
         try:
-            offered: Any = point.load()
+            offered: Any = loaded(point)
             if not isinstance(offered, kind):
                 raise TypeError(f"it is no {kind.__name__}")
             name = getattr(offered, "name", point.name)
@@ -38,6 +45,44 @@ def plugins(group: str, kind: type) -> dict[str, Any]:
         else:
             found[point.name] = offered
     return found
+
+
+def loaded(point: "EntryPoint") -> Any:
+    """What an entry point offers; one that ends the program instead is an error.
+
+    Raises
+    ------
+    ImportError
+        It ended the program.
+    """
+    try:
+        return point.load()
+    except SystemExit as error:
+        raise ImportError(f"it ended the program ({error.code})") from None
+
+
+def plugin_of(error: BaseException) -> str:
+    """Which plugin an error comes from, by where it was raised; empty for none of them.
+
+    What was called there may be surae's: the innermost code of a plugin is named.
+    """
+    named = ""
+    place = error.__traceback__
+    while place is not None:
+        root = str(place.tb_frame.f_globals.get("__name__", "")).partition(".")[0]
+        named = named if root == "surae" else _homes.get(root, named)
+        place = place.tb_next
+    return named
+
+
+def _offer(point: "EntryPoint") -> str:
+    """A plugin in words: its name, what it is, and whose."""
+    whose = f" of {point.dist.name}" if point.dist is not None else ""
+    return f"{point.name} ({point.group}{whose})"
+
+
+#: Plugins in words by the package that they are in; surae's own are none.
+_homes: dict[str, str] = {}
 
 
 class Extended(Mapping[str, V_co]):

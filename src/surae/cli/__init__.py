@@ -23,6 +23,7 @@ from surae._version import __version__
 from surae.base.docstrings import docstring
 from surae.base.errors import InputError, SuraeError
 from surae.base.formatting import nearest
+from surae.base.plugins import loaded, plugin_of
 from surae.cli.progress import StoppedError
 
 #: Command → its module, or the distribution that offers it as an entry point of the group
@@ -87,10 +88,25 @@ def _offered(name: str, distribution: str) -> click.Command:
     """The command that another distribution offers; `distribution` is where it should be."""
     from importlib.metadata import entry_points
 
-    for point in entry_points(group="surae.commands", name=name):
-        command: click.Command = point.load()
-        return command
-    raise InputError(f'surae {name} is not installed; run pip install "{distribution}"')
+    points = list(entry_points(group="surae.commands", name=name))
+    home = distribution.partition("[")[0]
+    own = [point for point in points if point.dist is None or point.dist.name == home]
+    strange = [point.dist.name for point in points if point not in own and point.dist is not None]
+    if not own:
+        more = f" ({', '.join(strange)} offers another of its name)" if strange else ""
+        raise InputError(f'surae {name} is not installed{more}; run pip install "{distribution}"')
+    if strange:
+        warnings.warn(
+            f"surae {name} of {', '.join(strange)} is left out: it is {home}'s", stacklevel=2
+        )
+    try:
+        command: click.Command = loaded(own[0])
+    except SuraeError:
+        raise
+    except Exception as error:
+        why = f"{type(error).__name__}: {error}"
+        raise InputError(f"surae {name} cannot be loaded ({why}); install {home} again") from error
+    return command
 
 
 @click.group(cls=_Lazy, context_settings={"help_option_names": ["-h", "--help"]})
@@ -122,6 +138,10 @@ def main() -> NoReturn:
         with suppress(OSError):
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         _fail(f"{error.filename or 'stdout'}: {error.strerror or error}", 1, debug)
+    except SystemExit as error:
+        if not plugin_of(error):
+            raise
+        _fail(*_said(error), debug)
     except (Exception, KeyboardInterrupt) as error:
         _fail(*_said(error), debug)
     sys.exit(code if isinstance(code, int) else 0)
@@ -143,7 +163,10 @@ def _said(error: BaseException) -> tuple[str, int]:
     if isinstance(error.__cause__ or error.__context__, KeyboardInterrupt):
         return "stopped by the user", 130  # compiled code makes it a SystemError
     text = f"{type(error).__name__}: {error}"
-    return f"internal error ({text}); run again with --debug and report it", 1
+    whole = f"internal error ({text}); run again with --debug and report it"
+    if plugin := plugin_of(error):
+        whole = f"the plugin {plugin} failed ({text}); ask its authors, or uninstall it"
+    return whole, 1
 
 
 def _end_in_order() -> None:

@@ -27,11 +27,22 @@ from typing import Any
 
 import numpy as np
 
+from surae.base.errors import InputError
 from surae.base.working_folder import ignoring
 
-with ignoring(".numba_config.yaml"):
-    import numba
-    from numba.core.caching import IndexDataCacheFile
+#: Variables that numba obeys when it is loaded, and refuses to be loaded by where they are wrong.
+_SETTINGS = ("NUMBA_NUM_THREADS", "NUMBA_THREADING_LAYER", "NUMBA_CPU_NAME", "NUMBA_OPT")
+
+try:
+    with ignoring(".numba_config.yaml"):
+        import numba
+        from numba.core.caching import IndexDataCacheFile
+except (ValueError, RuntimeError) as error:
+    given = ", ".join(f"{name}={os.environ[name][:20]}" for name in _SETTINGS if name in os.environ)
+    raise InputError(
+        f"numba, which compiles the models, refuses its settings ({given or 'none is set'}): "
+        f"{error}; unset them"
+    ) from None
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _KERNEL_FOLDERS = (
