@@ -16,9 +16,10 @@ from surae.base.records import to_plain
 from surae.base.setting import is_number
 from surae.base.tables import Tabular, TextTable
 from surae.inference.judging.adequacy import of_recordings
+from surae.inference.relaxed.build import curve_of
 from surae.inference.relaxed.context import Laboratory
 from surae.inference.relaxed.curve import RelaxedCurve
-from surae.measures.at_rest import curve_of, doubted_at_rest, rest_said
+from surae.measures.at_rest import doubted_at_rest, rest_said
 from surae.measures.measure import Measure
 from surae.measures.relaxed_change import with_detectable_changes
 from surae.measures.rest import measures_of_rest

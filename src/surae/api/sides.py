@@ -15,9 +15,10 @@ from surae.base.files import PathLike, shown
 from surae.base.frozen import FrozenDict
 from surae.base.records import from_plain
 from surae.inference import Adequacy, Grade
+from surae.inference.relaxed.build import curve_of
 from surae.inference.relaxed.context import UNKNOWN
 from surae.inference.relaxed.curve import RelaxedCurve
-from surae.measures.at_rest import curve_of, relaxed_of
+from surae.measures.at_rest import relaxed_of
 from surae.measures.compared import Quantities, quantities
 from surae.recording.reading import data_files_below, is_recording
 from surae.signals import ModelInputs

@@ -28,8 +28,8 @@ from surae.recording import Recording
 
 #: What the fit must explain for a lag to be looked for.
 _EXPLAINS = 0.8
-#: A rate that is claimed [s/s], at least and at most: no clock is wrong by more, and a measured trial
-#: on one clock passes for 15 ms/s.
+#: A rate that is claimed [s/s], at least and at most: no clock is wrong by more, and a measured
+#: trial on one clock passes for 15 ms/s.
 _RATE = (8e-4, 0.006)
 #: It is so many of its standard errors from none.
 _CLEAR = 3.0
