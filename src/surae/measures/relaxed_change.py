@@ -44,7 +44,6 @@ _KINDS = {
 }
 _SHARED = ("plate", "reflex")
 _UNLIKE = 0.1
-_SHARED = frozenset({"plate", "reflex"})
 #: Times by which an electrode may show more at one visit than at the other, of rest that is only
 #: declared: amplifiers and skin differ by less, a tone of a Nm shows more; assumed.
 _AS_LOUD = 1.5
