@@ -1,6 +1,8 @@
 """What arms and paths make unsure is in every uncertainty, and in nothing that they do not move."""
 
+import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ import surae
 from richer_legs import richer_leg
 from surae.base.normal import NORMAL
 from surae.inference import Verdict, assess, make_problem, solve
+from surae.inference.judging.assessment import _with_geometry
 from surae.measures.compute import evaluate, points
 from surae.model.knowledge import Knowledge
 from surae.model.source_table import ARM_SIZE, GEAR, GEAR_OF_TABLE
@@ -237,3 +240,11 @@ def test_profiles_and_posteriors_know_arms_and_paths_too() -> None:
     k, l0 = np.log(drawn.of("k_tri")), np.log(drawn.of("l0_tri"))
     assert np.corrcoef(k, l0)[0, 1] < -0.9
     assert np.std(k + l0) < 0.2 * np.std(k)
+
+
+@pytest.mark.parametrize("half", [1e200, math.inf])
+def test_what_the_data_leave_boundless_stays_so(half) -> None:
+    """A passive trial tells nothing of a gain: the square of such a half-width is no number."""
+    geometry = SimpleNamespace(moves=lambda _: True, sd=lambda _: 0.3, about=lambda *_: None)
+    known = SimpleNamespace(names=("g1",), values=np.array([1e5]), geometry=geometry)
+    assert _with_geometry("g1", known, half, 0.0) == ((0.0, 1e5 + half), half, half)
