@@ -44,7 +44,7 @@ from surae.measures.package import measures as measures
 from surae.model import MODELS as MODELS
 from surae.model.options import ModelOptions as ModelOptions
 from surae.nerve.answer import Impedance as Impedance
-from surae.nerve.stretches import Stretches as Stretches
+from surae.nerve.stretch_records import Stretches as Stretches
 from surae.planning.design import Design as Design
 from surae.planning.expectation import Expectation as Expectation
 from surae.planning.next import NextTrial as NextTrial

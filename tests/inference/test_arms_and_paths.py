@@ -1,6 +1,8 @@
 """What arms and paths make unsure is in every uncertainty, and in nothing that they do not move."""
 
+import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from surae.inference import Verdict, assess, make_problem, solve
 from surae.inference.posterior.empirical_bayes import BEGIN
 from surae.inference.posterior.family import Family
 from surae.inference.posterior.valleys import white_noise
+from surae.inference.judging.assessment import _with_geometry
 from surae.measures.compute import evaluate, points
 from surae.model import ModelOptions
 from surae.model.knowledge import Knowledge
@@ -285,3 +288,11 @@ def test_paths_that_work_need_no_other_arms(tmp_path, family, departs) -> None:
     assert family == "f" or len(invariants) >= 3
     for name in invariants:
         assert claimed[name].ci95[0] <= truth[name] <= claimed[name].ci95[1], name
+
+
+@pytest.mark.parametrize("half", [1e200, math.inf])
+def test_what_the_data_leave_boundless_stays_so(half) -> None:
+    """A passive trial tells nothing of a gain: the square of such a half-width is no number."""
+    geometry = SimpleNamespace(moves=lambda _: True, sd=lambda _: 0.3, about=lambda *_: None)
+    known = SimpleNamespace(names=("g1",), values=np.array([1e5]), geometry=geometry)
+    assert _with_geometry("g1", known, half, 0.0) == ((0.0, 1e5 + half), half, half)

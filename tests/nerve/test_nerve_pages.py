@@ -7,7 +7,7 @@ from perturbed_ankle import Ankle, ramps
 from surae.api.perturbed import perturbation_page
 from surae.base.names import LANGUAGES
 from surae.base.words import Message
-from surae.nerve.stretches import StretchThreshold
+from surae.nerve.stretch_records import StretchThreshold
 from surae.report.language import words_in
 from surae.report.nerve import _translated
 

@@ -68,7 +68,9 @@ def test_steps_are_recognised_and_used(folder) -> None:
 @pytest.mark.slow
 def test_the_joint_fit_has_what_was_known(folder, tmp_path) -> None:
     session = surae.session(folder)
-    fit = session.fit(model="muscle", starts=1)
+    with pytest.raises(InputError, match="axis_mm has no effect with model muscle"):
+        session.fit(model="muscle")
+    fit = session.fit()
     (one, _) = fit.result.problem.inputs
     raw = surae.read(folder / "one.csv")
     apart = np.interp(one.time, raw["torque"].time, raw["torque"].values) - one.torque

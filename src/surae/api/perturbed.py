@@ -10,7 +10,8 @@ from surae.base.files import PathLike
 from surae.base.progress import Progress
 from surae.nerve.answer import Impedance, joined
 from surae.nerve.impedance import inertia_of_empty, perturbed
-from surae.nerve.stretches import Stretches, answers
+from surae.nerve.stretch_records import Stretches
+from surae.nerve.stretches import answers
 from surae.recording import Recording, leaving_gaps, read
 
 if TYPE_CHECKING:

@@ -72,6 +72,8 @@ def maximal_torque(leg: Leg, _: float, group: str) -> float:
 
     alpha = max(leg.largest_activity[group], 0.0)
     low, high = map(leg.turned, leg.range_to(math.inf))
+    if not low <= high:  # an angle that is no number: the fit failed there
+        raise NotDefinedError("none/range")
     best = minimize_scalar(
         lambda angle: -leg.active_torque(group, float(angle), alpha),
         bounds=(low, high),

@@ -19,7 +19,8 @@ from surae.nerve.made import USUAL, perturbed_leg, stretched_leg
 from surae.nerve.measures import NerveMeasure, number_of
 from surae.nerve.ramps import MOVING, RANGE
 from surae.nerve.samples import runs
-from surae.nerve.stretches import ALIKE, StretchAnswer, answers
+from surae.nerve.stretch_records import StretchAnswer
+from surae.nerve.stretches import ALIKE, answers
 from surae.protocol.protocol import Trajectory
 
 #: Shares of reflexes that are looked for: of the torque's variance in perturbations, of the peak

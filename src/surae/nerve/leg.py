@@ -8,7 +8,8 @@ from surae.base.errors import InputError
 from surae.base.records import OrInfinite
 from surae.nerve.answer import Impedance, joined
 from surae.nerve.impedance import perturbed
-from surae.nerve.stretches import OPPOSED, StretchAnswer, Stretches, answers
+from surae.nerve.stretch_records import StretchAnswer, Stretches
+from surae.nerve.stretches import OPPOSED, answers
 from surae.recording import Recording
 
 

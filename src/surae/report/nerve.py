@@ -11,7 +11,7 @@ from surae.nerve.answer import Impedance, measure_rows
 from surae.nerve.leg import stretch_torque
 from surae.nerve.measures import NerveMeasure
 from surae.nerve.perturbed_records import Perturbed
-from surae.nerve.stretches import Stretches
+from surae.nerve.stretch_records import Stretches
 from surae.report import block
 from surae.report.figures import Figure
 from surae.report.figures.nerve import effort_figure, frequency_figure, impulse_figure

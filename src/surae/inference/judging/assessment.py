@@ -47,6 +47,9 @@ from surae.inference.uncertainty.robust import RobustCovariance, robust_covarian
 from surae.model.symmetry import tied_to_geometry
 from surae.quality.finding import Quality
 
+#: Half-width beyond which arms and paths add nothing, and whose square may be no number.
+_BOUNDLESS = 1e100
+
 
 @filed(sparse=("fascicles",), rmse="rmse_Nm", bias="bias_Nm")
 @dataclass(frozen=True, slots=True, eq=False)
@@ -349,11 +352,12 @@ def _with_geometry(
     What arms and paths make of it is about their mean, on a logarithm.
     """
     value = float(known.values[known.names.index(name)])
-    if known.geometry is None or not known.geometry.moves(name) or not value > 0.0:
+    geometry = known.geometry
+    if geometry is None or not geometry.moves(name) or not value > 0.0 or half > _BOUNDLESS:
         return _possible(value, half, lower), half, half
-    own = NORMAL * known.geometry.sd(name) * value
+    own = NORMAL * geometry.sd(name) * value
     alone = math.sqrt(max(half**2 - own**2, 0.0))
-    low, high = known.geometry.about(name, _possible(value, alone, lower))
+    low, high = geometry.about(name, _possible(value, alone, lower))
     assert low is not None
     assert high is not None
     return (low, high), max(high - value, value - low, alone), alone
