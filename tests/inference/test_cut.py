@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from relaxed_ankle import Ankle, efforts, measured, movement
 from surae.base.errors import InputError
 from surae.inference.noise import NoiseModel
 from surae.inference.posterior import laplace
@@ -19,7 +20,6 @@ from surae.model import ModelOptions, get_model
 from surae.model.tissue_curve import TissueCurve
 from surae.settings import FitSettings
 from surae.signals.windows import parted
-from relaxed_ankle import Ankle, efforts, measured, movement
 
 TIME = movement()[0]
 EMG = efforts(TIME, (10.0, 30.0))
