@@ -1,5 +1,6 @@
 """A leg as a model of OpenSim and MuJoCo: its torque there is the one that the file speaks of."""
 
+from dataclasses import replace
 from xml.etree import ElementTree
 
 import numpy as np
@@ -10,6 +11,7 @@ from surae.exchange.mjcf import mjcf
 from surae.exchange.osim import osim
 from surae.measures.leg import Leg
 from surae.model import ModelOptions, get_model, with_optional
+from surae.model.tissue_curve import TissueCurve
 from surae.studies import virtual_subject
 
 MOVED = (-30.0, 20.0)
@@ -167,3 +169,23 @@ def test_opensim_has_this_torque(seed, model, tmp_path):
             simulated.realizeAcceleration(state)
             found.append(-ankle.getAccelerationValue(state) * inertia)
     np.testing.assert_allclose(np.reshape(found, (len(ACTIVE), -1)), torque(joint), atol=0.01)
+
+
+def test_a_curve_of_relaxed_tissue_is_in_the_file():
+    """OpenSim has it as a polynomial of the angle; MuJoCo's joint a line, and the rest is named."""
+    plain = leg_of(2)
+    at = np.linspace(-35.0, 25.0, 61)
+    curve = TissueCurve(tuple(at.tolist()), tuple((3.0 * np.tanh(at / 12.0)).tolist()))
+    leg = Leg(plain.spec, replace(plain.options, tissue=curve), plain.values)
+    shown = joint_of(leg, MOVED, springs=False)
+    text = osim(shown, [])
+    force = ElementTree.fromstring(text.encode()).find(".//*[@name='joint_tissue']/expression")
+    expression = force.text.replace("^", "**")
+    for q in ANGLES:
+        pull = -eval(expression, {"q": q, "qdot": 0.0})
+        assert pull == pytest.approx(curve.relaxed(np.degrees(q)), abs=0.05)
+    assert shown.missing == ()
+    line = joint_of(leg, MOVED, springs=True)
+    assert line.missing == ("bends of the relaxed curve",)
+    assert line.tissue.bends == ()
+    assert line.tissue.stiffness > 0.0

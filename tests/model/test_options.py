@@ -46,8 +46,9 @@ def test_defaults_are_the_thesis() -> None:
         (
             {"gravity": 9.81},
             "option 'gravity' is not known; use one of: geometry, tendon_strain, integrator, "
-            "theta_foot, vmax_factor, x_ref_tri, x_ref_tib, emg_ref, joint",
+            "theta_foot, vmax_factor, x_ref_tri, x_ref_tib, emg_ref, joint, tissue",
         ),
+        ({"tissue": "stiff"}, "tissue is 'stiff'; give a TissueCurve"),
     ],
 )
 def test_refusals(given, message) -> None:

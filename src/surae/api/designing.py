@@ -1,6 +1,7 @@
 """Protocols: what one will tell, designed for a device, and what to measure after a fit."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, TypeVar
 
 from surae.api.fitted import Fit
@@ -16,6 +17,7 @@ from surae.model import ModelOptions
 from surae.model.laboratory import AUTO
 from surae.nerve.expected import expects, series
 from surae.nerve.movements import telling
+from surae.planning.at_rest import expected_at_rest
 from surae.planning.design import Asked, Design, Judges, make_design
 from surae.planning.expectation import NOISE, expected
 from surae.planning.information import filmed
@@ -346,7 +348,8 @@ def expect(
     who, level = requested_legs(settings, fit, settings.legs, options, trajectory.settings.rate_hz)
     legs = filmed(who, muscles_of(settings.film))
     precision = {} if fit is None else fit_precision(fit, legs)
-    return expected(trajectory, legs, level, **precision)
+    made = expected(trajectory, legs, level, **precision)
+    return replace(made, at_rest=expected_at_rest(trajectory, legs, level))
 
 
 def muscles_of(film: str | Sequence[str]) -> tuple[str, ...]:

@@ -1,6 +1,6 @@
 """A leg as a joint with two muscles of another simulator, and the distance of their torques."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,12 +16,15 @@ from surae.measures.leg import GROUPS, Leg
 from surae.measures.muscle import elongation
 from surae.model import joint as anatomy
 from surae.model.parameters import OPTIONAL_PARAMETERS
+from surae.model.tissue_curve import TissueCurve
 
 #: Angles, and parts of the largest activity, at which muscles are compared.
 _ANGLES = 41
 _PARTS = (0.25, 0.5, 0.75, 1.0)
 #: Force that is the largest where no recording has one [N].
 _NO_PEAK = 1000.0
+#: Degree of the polynomial that is the curve of the joint's own tissue, where it has one.
+_BENDS = 7
 #: Degree of the polynomial that is the logarithm of the tissue's force over length.
 _DEGREE = 3
 #: How optional parameters begin that are in the file: the leg's own paths and force-length curve,
@@ -111,6 +114,9 @@ class JointTissue:
     torque: float  #: At 0 rad [Nm].
     stiffness: float  #: [Nm/rad]
     damping: float  #: [Nm·s/rad]
+    #: Of a tissue that rest shows as a curve: of the square of the angle, its cube and so on
+    #: [Nm/rad², …].
+    bends: tuple[float, ...] = ()
 
     @property
     def pulls(self) -> bool:
@@ -195,22 +201,42 @@ def joint_of(leg: Leg, moved: tuple[float, float], *, springs: bool) -> JointMod
     if springs and of("joint_torque") and not of("joint_stiffness"):  # no spring, no rest
         missing = (*missing, "joint_torque")
     bare = leg.with_values(dict.fromkeys(missing, 0.0))
+    beside = JointTissue(
+        leg.joint_torque(0.0),
+        leg.values.get("joint_stiffness", 0.0),
+        leg.values.get("joint_damping", 0.0),
+    )
+    if leg.options.tissue is not None:
+        beside, shown = _of_curve(leg, degrees, beside, 1 if springs else _BENDS)
+        bare = replace(bare, options=replace(leg.options, tissue=shown), _ties=[])
+        missing = (*missing, *(["bends of the relaxed curve"] if springs else []))
     return JointModel(
         leg.options.anatomy,
         leg.values["m"],
         leg.options.theta_foot,
         (float(angle[0]), float(angle[-1])),
         (muscles[0], muscles[1]),
-        JointTissue(
-            leg.joint_torque(0.0),
-            leg.values.get("joint_stiffness", 0.0),
-            leg.values.get("joint_damping", 0.0),
-        ),
+        beside,
         _rms(apart),
         float(np.abs(own).max()),
         missing,
         _apart(leg, bare) if missing and leg.inputs else 0.0,
     )
+
+
+def _of_curve(
+    leg: Leg, degrees: FloatArray, beside: JointTissue, degree: int
+) -> tuple[JointTissue, TissueCurve]:
+    """The joint's tissue with a curve in it as a polynomial of the angle, and that curve."""
+    curve = leg.options.tissue
+    assert curve is not None
+    angle = np.radians(degrees)
+    torque = np.array([leg.joint_torque(at) for at in degrees.tolist()])
+    first, second, *more = np.polynomial.polynomial.polyfit(angle, torque, degree).tolist()
+    made = replace(beside, torque=first, stiffness=second, bends=tuple(more))
+    off = torque - np.array([curve.relaxed(at) for at in degrees.tolist()])
+    shown = np.polynomial.polynomial.polyval(angle, [first, second, *more]) - off
+    return made, TissueCurve(tuple(degrees.tolist()), tuple(shown.tolist()))
 
 
 def _held(leg: Leg, group: str, degrees: FloatArray, length: FloatArray) -> HeldMuscle:
@@ -253,9 +279,10 @@ def _apart(leg: Leg, other: Leg) -> float:
     """Difference of the torques of two legs over the same recordings [Nm]."""
     apart = []
     for inputs in leg.inputs:
-        simulator = leg.spec.simulator(inputs, leg.options)
         one, two = (
-            simulator.torque(np.array([of.values[name] for name in leg.spec.names]))
+            leg.spec.simulator(inputs, of.options).torque(
+                np.array([of.values[name] for name in leg.spec.names])
+            )
             for of in (leg, other)
         )
         apart.append((one - two) if inputs.weight is None else (one - two)[inputs.weight > 0])

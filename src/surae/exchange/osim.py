@@ -42,6 +42,7 @@ def osim(joint: JointModel, comments: list[str]) -> str:
         beside = SubElement(forces, "ExpressionBasedCoordinateForce", name="joint_tissue")
         _set(beside, "coordinate", f"{anatomy.name}_angle")
         terms = f"{of.torque:.12g}+({of.stiffness:.12g})*q+({of.damping:.12g})*qdot"
+        terms += "".join(f"+({c:.12g})*q^{power}" for power, c in enumerate(of.bends, start=2))
         _set(beside, "expression", f"-({terms})")
     return text_of(document, comments)
 

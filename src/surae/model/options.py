@@ -107,6 +107,9 @@ class ModelOptions(Request):
         """Refuse values that are not among the choices or not physical; hold levels as a tuple."""
         Request.__post_init__(self)
         self._check_joint()
+        curve: object = self.tissue
+        if not (curve is None or isinstance(curve, TissueCurve)):
+            raise InputError(f"tissue is {curve!r}; give a TissueCurve")
         if self.emg_ref is not None:
             given: object = self.emg_ref
             levels: list[Any] = list(given) if isinstance(given, list | tuple) else []

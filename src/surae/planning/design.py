@@ -16,6 +16,7 @@ from surae.base.records import Plain
 from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
 from surae.base.words import Message
+from surae.planning.at_rest import expected_at_rest
 from surae.planning.expectation import Expectation, expected
 from surae.planning.genes import Genes
 from surae.planning.information import SINGULAR, information, prior_precision
@@ -134,7 +135,10 @@ def make_design(
         limits,
         trajectory,
         device,
-        expectation=expected(trajectory, unseen, judges.noise, **judges.precision),
+        expectation=replace(
+            expected(trajectory, unseen, judges.noise, **judges.precision),
+            at_rest=expected_at_rest(trajectory, unseen, judges.noise),
+        ),
         aimed=FrozenDict(_aimed(trajectory, unseen, judges.noise, asked.aim, judges.known)),
         notes=(*reached, *given_up[:-1], *notes),
         curve=result.curve,

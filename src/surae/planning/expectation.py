@@ -23,6 +23,7 @@ from surae.inference.uncertainty.covariance import Covariance, half_width
 from surae.model import adapted
 from surae.model.joint import ANKLE
 from surae.model.source_table import SOURCES, source_of
+from surae.planning.at_rest import ExpectedAtRest
 from surae.planning.information import estimated, information, prior_precision
 from surae.planning.legs import Legs
 from surae.planning.torque import Load, load_of
@@ -92,6 +93,8 @@ class Expectation(Tabular, Comparable, Plain):
     torque: tuple[float, float]
     load: Load | None  #: What the protocol asks of a device; None of another joint than the ankle.
     of_fit: bool = False  #: Whether the legs are what one fit leaves possible.
+    #: What its rest will tell, by measure; empty where that is nothing, or was not asked.
+    at_rest: Mapping[str, ExpectedAtRest] = field(default_factory=FrozenDict)
 
     @property
     def asks(self) -> str:
@@ -149,6 +152,20 @@ class Expectation(Tabular, Comparable, Plain):
 
         return records_frame(self.parameters, "parameter")
 
+    @property
+    def rest_told(self) -> Message:
+        """What its rest will tell of the relaxed leg, a sentence."""
+        told = [
+            f"{name} ±{100 * each.half_width:.0f} %"
+            + (
+                ""
+                if each.half_width_device is None
+                else f" (±{100 * each.half_width_device:.0f} %)"
+            )
+            for name, each in self.at_rest.items()
+        ]
+        return Message("plan/at-rest", measures=", ".join(told))
+
     def as_table(self) -> TextTable:
         """The table, as texts.
 
@@ -188,6 +205,7 @@ class Expectation(Tabular, Comparable, Plain):
             below=(
                 f"largest standard error: {part(self.worst)} ({self.weakest}); geometric mean: "
                 f"{part(self.geometric_mean)}; identified: {self.identified} of {len(rows)}",
+                *([self.rest_told] if self.at_rest else []),
                 *filter(None, [self.caution]),
                 self.asks,
             ),

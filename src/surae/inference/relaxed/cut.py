@@ -25,8 +25,9 @@ from surae.model.tissue_curve import TissueCurve
 
 #: Probability of a curve so far from every exponential below which it is none.
 LEVEL = 0.01
-#: Degrees between angles at which curves are compared, and of the table.
-_APART = 2.5
+#: Degrees between angles at which curves are compared, as far apart as the hinges of the curve are,
+#: between which it says nothing more; and of the table.
+_APART = 5.0
 _KNOTS = 1.0
 #: Degrees over which the muscles' exponentials may grow e-fold: k of 40 to 600 1/m, arms of 4 cm.
 _CALF = np.geomspace(2.5, 40.0, 25)

@@ -111,6 +111,20 @@ def draw_relaxed(
         zorder=2,
         label=_("relaxed, 95 %"),
     )
+    middle = len(degrees) // 2
+    # of the rise from the middle of the range, in which no zero of the torque is
+    apart = np.diag(covariance) + covariance[middle, middle] - 2.0 * covariance[middle]
+    form = _HALF * np.sqrt(np.maximum(apart, 0.0))
+    axes.fill_between(
+        degrees,
+        mean - form,
+        mean + form,
+        color=BLUE,
+        alpha=0.35,
+        linewidth=0,
+        zorder=2,
+        label=_("its shape, 95 %, whatever the torque’s zero"),
+    )
     axes.plot(degrees, mean, "-", color=BLUE, linewidth=1.8, zorder=3, label=_("relaxed"))
     for number, (at, value, (low, high)) in enumerate(_stated(curve, measures)):
         axes.errorbar(
