@@ -1,5 +1,6 @@
 """Benchmarks whose counts are published: what they write and count, on little."""
 
+import json
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -7,11 +8,14 @@ import numpy as np
 import pytest
 
 import surae
+from ankle_legs.make import truth_of
 from benchmark_files import load
 from surae.protocol import Protocol, generate
 from surae.recording import MUSCLES
 from surae.studies import virtual_subject, virtual_trial
 
+#: Counts of values that a table of answers lacks.
+NOTHING = {"auto measures": {"legs": 0, "identified": 0, "true": 0, "hold": 1, "intervals": 1}}
 FOLDER = Path(__file__).parents[1] / "benchmarks"
 
 
@@ -102,3 +106,47 @@ def test_raw_emg_is_thinned_and_counted_by_its_rate(bench, tmp_path, monkeypatch
     counted = "1 legs, identified 2, true 1; more than 0.5 points below muscle 1 (at most 1.00)"
     assert f"envelope: {counted}" in said
     assert f"512 Hz: {counted}" in said
+
+
+def test_readme_shows_the_counts_that_were_made(bench) -> None:
+    counts = bench("readme_counts")
+    kept = json.loads(counts.KEPT.read_text(encoding="utf-8"))
+    text = counts.README.read_text(encoding="utf-8")
+    assert counts.MARKS[0] + counts.table(kept) + counts.MARKS[1] in text
+    assert counts.written(text, kept) == text
+    assert kept["surae"].rpartition(".")[0] == surae.__version__.rpartition(".")[0]
+
+
+def test_counts_are_of_all_answers_and_invariants_apart(bench, tmp_path) -> None:
+    counts = bench("readme_counts")
+    truth = truth_of("p", 5, 1)
+    m, gain = truth["parameters"]["m"], truth["measures"]["torque_gain_ta"]
+    rows = [
+        ("m", m, 0.9 * m, 1.1 * m, "identified"),
+        ("f0", 99.0, 98.0, 100.0, "identified"),
+        ("torque_gain_ta", gain, 0.8 * gain, 1.2 * gain, "weak"),
+    ]
+    lines = [",".join(map(str, ("p", 5, 1, *row))) for row in rows]
+    head = "family,seed,trial,parameter,value,low,high,verdict"
+    for entrant in ("plain", "muscle", "auto"):
+        (tmp_path / f"{entrant}.csv").write_text("\n".join([head, *lines]), encoding="utf-8")
+    made = counts.counted(tmp_path)
+    of = {"legs": 1, "identified": 2, "true": 1, "hold": 1, "intervals": 2}
+    assert made["auto parameters"] == of
+    assert made["auto invariants"]["hold"] == made["auto invariants"]["intervals"] == 1
+    assert made["auto parameters by family"] == {"p": [2, 1, 1, 2]}
+    assert "| 100 % (2 of 2) | 50 % (1) | 50 % |" in counts.table(made | NOTHING)
+
+
+@pytest.mark.slow
+def test_the_counts_are_the_products(bench, tmp_path, monkeypatch) -> None:
+    """One family counted again; numbers of another machine may differ by one."""
+    counts = bench("readme_counts")
+    kept = json.loads(counts.KEPT.read_text(encoding="utf-8"))
+    options = f"--families p --seeds {kept['seed']} --only auto --output {tmp_path}"
+    monkeypatch.setattr("sys.argv", ["challenge.py", *options.split()])
+    bench("challenge").main()
+    for group, of in counts.groups(tmp_path / "auto.csv"):
+        total = counts.summed(counts.score(tmp_path / "auto.csv", of)[-1])
+        own = [total.identified, total.true, total.hold, total.intervals]
+        assert np.abs(np.subtract(own, kept[f"auto {group} by family"]["p"])).max() <= 1, group

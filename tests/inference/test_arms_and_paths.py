@@ -65,6 +65,9 @@ def test_intervals_of_muscles_widen_about_the_gears_mean(auto) -> None:
             assert all_in == pytest.approx(np.hypot(own, more), rel=0.02), name
         assert wide.parameters[name].verdict is not Verdict.IDENTIFIED
         assert wide.parameters[name].value == plain.parameters[name].value
+        low, high = plain.parameters[name].ci95  # as the fit's own arm and path have it
+        assert wide.parameters[name].ci95[0] <= low * (1.0 + 1e-9)
+        assert wide.parameters[name].ci95[1] >= high * (1.0 - 1e-9)
     # about the mean of what the gear may be: the thesis's triceps travels 0.36 of its arm
     middle = np.mean(np.log(wide.parameters["l0_tri"].ci95))
     gear = 1.67 * 0.0104 / 0.0480

@@ -2,6 +2,7 @@
 
 from itertools import combinations
 
+import numpy as np
 import pytest
 
 import surae
@@ -13,6 +14,7 @@ TRIALS = {
     "PL_0_01": "repeats",
     "PL_100_01": "repeats",
 }
+INVARIANT = ("passive_exponent", "active_width", "tendon_rotational", "torque_gain", "maximal")
 PASSIVE = {"Pas_Sho2Long": "dynamometer"}
 
 
@@ -76,6 +78,36 @@ def test_a_relaxed_trial_claims_no_optimal_length_that_ultrasound_denies(fits):
         assert passive.ci95[1] > 0.0638
 
 
+@pytest.fixture(scope="module")
+def by_work(shared, tmp_path_factory):
+    """A trial fitted along paths that conserve work, which travel 2.8 and 1.5 times as far."""
+    told = (shared / "dynamometer" / "PL_50_01.toml").read_text(encoding="utf-8")
+    path = shared / "repeats" / "PL_50_02.mat"
+    mapping = tmp_path_factory.mktemp("by_work") / "trial.toml"
+    mapping.write_text(told.replace("PL_50_01.mat", str(path)), encoding="utf-8")
+    return surae.fit(mapping, geometry="virtual-work")
+
+
+@pytest.mark.slow
+def test_both_geometries_agree_in_what_no_path_changes_and_overlap_in_all_else(
+    fits, by_work
+) -> None:
+    one = fits["PL_50_02"]
+    told = one.measures(), by_work.measures()
+    for name in told[0].keys() & told[1].keys():
+        p, q = told[0][name], told[1][name]
+        if p.ci95 is None or q.ci95 is None:
+            continue
+        assert max(p.ci95[0], q.ci95[0]) <= min(p.ci95[1], q.ci95[1]), name
+        if name.startswith(INVARIANT):
+            both = np.hypot(np.ptp(p.ci95), np.ptp(q.ci95)) / 2.0
+            assert abs(p.value - q.value) <= both, name
+    for name in one.parameters.keys() & by_work.parameters.keys():
+        p, q = one.parameters[name], by_work.parameters[name]
+        if p.ci95 is not None and q.ci95 is not None:
+            assert max(p.ci95[0], q.ci95[0]) <= min(p.ci95[1], q.ci95[1]), name
+
+
 @pytest.mark.slow
 def test_no_measured_trial_is_said_to_soften(fits):
     for fit in fits.values():
@@ -88,3 +120,17 @@ def test_measured_trials_of_one_leg_are_not_said_to_be_of_several(fits) -> None:
     recordings = [fits[trial].result.problem.inputs[0] for trial in TRIALS]
     together = surae.fit(recordings, fits["PL_50_02"].settings)
     assert "not-one-leg" not in [reason.code for reason in together.adequacy.against]
+
+
+@pytest.mark.slow
+def test_repeats_of_a_leg_do_not_deny_each_other(fits) -> None:
+    """A tendon had two modes, 0.6 to 0.9 or 9 to 20 mm, and each interval but one of them."""
+    apart = pairs = 0
+    for one, other in combinations([fits[trial] for trial in TRIALS], 2):
+        for name in one.parameters.keys() & other.parameters.keys():
+            p, q = one.parameters[name].ci95, other.parameters[name].ci95
+            if p is not None and q is not None and one.parameters[name].free:
+                pairs += 1
+                apart += max(p[0], q[0]) > min(p[1], q[1])
+    assert pairs > 60
+    assert apart <= 0.05 * pairs

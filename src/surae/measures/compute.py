@@ -516,13 +516,21 @@ def extrapolated(evaluated: Evaluated, result: FitResult) -> Message | None:
         return None if at <= longest else Message("beyond/time", seconds=longest)
     if definition.at not in ("N", "Nm") or definition.name == "stiffness_at_torque":
         return None
+    return _stronger(definition, at, result)
+
+
+def _stronger(definition: Definition, at: float, result: FitResult) -> Message | None:
+    """Whether a pull is stronger than those in the recordings."""
     leg = leg_of(result)
     group = "tib" if definition.name.endswith("_tib") else "tri"
     alpha = max(leg.largest_activity[group], 0.0)
+    pulls = [leg.hold(group, angle, alpha) for angle in (*measured_range(result), 0.0)]
     if definition.at == "N":
-        ends = (leg.hold(group, angle, alpha).force for angle in measured_range(result))
-        most = max(*ends, leg.hold(group, 0.0, alpha).force)
+        most = max(pull.force for pull in pulls)
         return None if at <= most else Message("beyond/force", force=most)
+    if definition.name.startswith("tendon_"):
+        most = max(abs(pull.torque) for pull in pulls)
+        return None if at <= most else Message("beyond/pull", torque=most)
     most = leg.active_torque(group, 0.0, alpha)
     return None if at <= most else Message("beyond/torque", torque=most)
 

@@ -62,7 +62,7 @@ def marginal(
         budget = known.budget(known.along(name))
         if p.at_bound or group_of(name) is not None or not budget.sd > 0.0:
             continue
-        ci95 = known.interval(name, NORMAL * budget.sd)
+        ci95 = _with_own(name, known, known.interval(name, NORMAL * budget.sd))
         half = (ci95[1] - ci95[0]) / 2.0
         if known.goes_with_geometry(name):  # about the mean of what arms and paths may be
             half = max(ci95[1] - p.value, p.value - ci95[0])
@@ -99,6 +99,19 @@ def marginal(
             budget=budget.shares,
         )
     return judged
+
+
+def _with_own(name: str, known: Uncertainty, ends: tuple[float, float]) -> tuple[float, float]:
+    """An interval that holds too what is so at the arm and path of the fit.
+
+    These were stated, or chosen by the data, and are among those that may be, however far they are
+    from the mean of people's.
+    """
+    own = known.at_assumed
+    if not (known.goes_with_geometry(name) and name in own.names):
+        return ends
+    low, high = own.interval(name, NORMAL * own.sd(own.along(name)))
+    return min(ends[0], low), max(ends[1], high)
 
 
 def _beside_population(

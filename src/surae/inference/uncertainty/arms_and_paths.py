@@ -112,7 +112,8 @@ class ArmsAndPaths(Comparable):
     ) -> tuple[float | None, float | None]:
         """An interval at the fit's arm and path, with what these may be, on a logarithm.
 
-        An end that is open stays so; one of another sign than the value stays where it is.
+        What holds at the fit's own arm and path stays within it. An end that is open stays so; one
+        of another sign than the value stays where it is.
         """
         value = self.values[name]
         if not (self.moves(name) and value > 0.0):
@@ -122,10 +123,10 @@ class ArmsAndPaths(Comparable):
         least, most = ends
         if least is not None and least > 0.0:
             away = -math.log(least / value)
-            least *= math.exp(shift + away - math.hypot(away, more))
+            least *= math.exp(min(shift + away - math.hypot(away, more), 0.0))
         if most is not None and most > 0.0:
             away = math.log(most / value)
-            most *= math.exp(shift + math.hypot(away, more) - away)
+            most *= math.exp(max(shift + math.hypot(away, more) - away, 0.0))
         return least, most
 
     def legs(self, columns: Mapping[str, FloatArray], seed: int) -> dict[str, FloatArray]:
