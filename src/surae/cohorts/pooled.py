@@ -31,6 +31,9 @@ from surae.measures.compared import Quantities, Quantity
 from surae.measures.table import LEADING
 from surae.recording.frames import library, records_frame
 
+#: Level of a claim, and sentences at most, of what was asked.
+LEVEL = 0.05
+_MOST_SAID = 4
 #: Legs from which a mean and a spread are estimated.
 FEWEST = 3
 #: Degrees by which ends of ranges may differ and still be one.
@@ -72,7 +75,11 @@ class Effects:
 
 
 def random_effects(values: FloatArray, variances: FloatArray) -> Effects:
-    """Mean and spread of at least `FEWEST` finite values, shape (k,), with known variances."""
+    """Mean and spread of at least `FEWEST` finite values, shape (k,), with known variances.
+
+    No value weighs more than an ordinary one, of the median variance: where errors are a part of
+    the value, a small one seems surer than a large one, and would draw every mean down.
+    """
     from scipy.optimize import minimize_scalar
 
     y = np.asarray(values, dtype=float)
@@ -89,7 +96,7 @@ def random_effects(values: FloatArray, variances: FloatArray) -> Effects:
     best = minimize_scalar(lambda t: against(math.exp(t)), bounds=ends, method="bounded")
     at_zero = np.all(v > 0.0) and against(0.0) <= best.fun
     tau2 = 0.0 if at_zero else math.exp(float(best.x))
-    w = 1.0 / (v + tau2)
+    w = 1.0 / (np.maximum(v, np.median(v)) + tau2)
     mean = float(w @ y / w.sum())
     se = math.sqrt(float(w @ (y - mean) ** 2) / ((len(y) - 1) * float(w.sum())))
     return Effects(len(y), mean, se, tau2)
@@ -247,6 +254,22 @@ class Cohort(Tabular, Saved):
         groups = {p.name: records_frame(p.groups, "group") for p in self.pooled.values()}
         return library("pandas", "a DataFrame").concat(groups, names=["of"])
 
+    @property
+    def sentence(self) -> str:
+        """The answer: how groups differ, or legs changed, in what was asked beforehand, or most."""
+        told = [
+            (p, kind, key, c)
+            for p in self.pooled.values()
+            for kind, contrasts in (("groups", p.differences), ("sessions", p.changes))
+            for key, c in contrasts.items()
+        ]
+        asked = [each for each in told if each[0].asked]
+        if not told:
+            return "There are no two groups, and no two sessions, of three legs each to compare."
+        if asked:
+            return " ".join(_said(*each) for each in asked[:_MOST_SAID])
+        return _said(*min(told, key=lambda each: each[3].p))
+
     def as_table(self) -> TextTable:
         """Every group, then differences and changes that are shown, and who is left out."""
         rows = []
@@ -295,13 +318,15 @@ class Cohort(Tabular, Saved):
             "at a bound",
             "left out",
         )
-        return TextTable(heads, tuple(rows), below=tuple(notes), numbers=heads[2:6])
+        above = (self.sentence,)
+        return TextTable(heads, tuple(rows), above=above, below=tuple(notes), numbers=heads[2:6])
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data, as C.json has it."""
         return {
             "surae": __version__,
             "note": self.note,
+            "sentence": self.sentence,
             "legs": len({m.leg for m in self.members}),
             "missing": {m.row: m.missing for m in self.members if m.missing},
             "refit_rounds": self.rounds,
@@ -310,6 +335,33 @@ class Cohort(Tabular, Saved):
                 for p in self.pooled.values()
             },
         }
+
+
+def _said(p: PooledQuantity, kind: str, key: str, c: Contrast) -> str:
+    """One contrast in a sentence: direction, amount, interval, and what would have been shown."""
+    unit = "" if p.unit == "-" else f" {p.unit}"
+    ends = f"95 % {c.ci95[0]:.2g} to {c.ci95[1]:.2g}{unit}".replace("-", "−")
+    size = f"{abs(c.difference):.2g}{unit}"
+    first, _, second = key.partition(" → ")
+    how = "asked beforehand" if p.asked else "exploratory: confirm it"
+    if c.p >= LEVEL:
+        of = (
+            f"between {first} and {second}"
+            if kind == "groups"
+            else f"over sessions ({key or 'all'})"
+        )
+        half = 0.5 * (c.ci95[1] - c.ci95[0])
+        return (
+            f"{p.name}: no difference is shown {of}; it is {c.difference:.2g}{unit} ({ends}), and "
+            f"one of {1.4 * half:.2g}{unit} would mostly have been shown ({c.k} legs)."
+        ).replace("is -", "is −")
+    more = "more" if c.difference > 0.0 else "less"
+    where = (
+        f"in {second} than in {first}"
+        if kind == "groups"
+        else f"in later sessions ({key or 'all'})"
+    )
+    return f"{p.name} is {more} {where}, by {size} ({ends}; p = {c.p:.2g}, {c.k} legs, {how})."
 
 
 def ends_of(members: Sequence[CohortMember]) -> tuple[float, float] | None:

@@ -37,6 +37,9 @@ class Norm:
     mean: float
     sd: float
     reference: str  #: Where that is written.
+    #: `age`, `sex`: whose they were, in words; empty where that is not known here.
+    age: str = ""
+    sex: str = ""
 
     def __post_init__(self) -> None:
         """Refuse what is no norm."""

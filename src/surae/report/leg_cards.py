@@ -63,12 +63,13 @@ def norm_lines(of_fit: Measures, known: Sequence[Norm], _: Words) -> list[block.
         lines.append(
             block.Text(
                 _(
-                    "{measure}: {value} {unit}; {below} of {group} lie below ({reference}).",
+                    "{measure}: {value} {unit}; {below} of {n} {group} lie below ({reference}).",
                     measure=_.measure(p.norm.measure),
                     value=own,
                     unit=p.norm.unit.replace("deg", "°"),
                     below=below,
-                    group=_(p.norm.group),
+                    n=str(p.norm.n),
+                    group=", ".join(filter(None, [_(p.norm.group), p.norm.age, p.norm.sex])),
                     reference=p.norm.reference,
                 ),
                 "note",

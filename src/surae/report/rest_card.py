@@ -62,7 +62,10 @@ def rest_card(
     elif of_fit.adequacy.grade is not Grade.ADEQUATE:
         text = _("No muscle is in this number: doubts about the fit do not touch it.")
         lines.append(block.Text(text, "note"))
-    lines += norm_lines(of_fit, known, _)
+    very = [norm for norm in known if norm.measure == m.name]
+    lines += norm_lines(of_fit, very, _) or [
+        block.Text(_("No group was measured at this very number."), "note")
+    ]
     picture = block.Picture(
         "stiffness",
         _("Torque of the relaxed ankle over its angle"),
