@@ -149,6 +149,12 @@ class Observed:
         self._noise = [[] for _ in self._inputs]
         self._kept = [deque(maxlen=_KEPT) for _ in self._inputs]
 
+    def forget(self) -> None:
+        """Let go of all points, which are large: this posterior is through."""
+        self.anew()
+        for seen in self._seen:
+            seen.clear()
+
     def _set(
         self, z: FloatArray, c: FloatArray, number: int
     ) -> tuple[Any, ModelInputs, Latents, FloatArray]:

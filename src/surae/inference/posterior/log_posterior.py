@@ -168,7 +168,9 @@ class LogPosterior(Coordinates):
     def _anew(self, calls: list[int] | None = None) -> Observed:
         """The recordings, nothing of them computed."""
         means = [mean for _, mean in self._fast]
-        return Observed(self, self.latents, expected=means, rest=self.rest, calls=calls)
+        # coordinates of its own: with this posterior each would keep the other, and all its rows
+        at = Coordinates(self.problem, self.priors)
+        return Observed(at, self.latents, expected=means, rest=self.rest, calls=calls)
 
     def still(self) -> tuple[FloatArray, ...]:
         """Latents of which nothing is known yet."""
