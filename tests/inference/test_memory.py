@@ -6,8 +6,8 @@ import weakref
 import pytest
 
 import surae
-from surae.inference.posterior.log_posterior import LogPosterior
 from surae.inference.posterior.linearised import Observed
+from surae.inference.posterior.log_posterior import LogPosterior
 
 #: By how much the memory of a process may differ after more fits [MiB].
 LEVEL = 30.0
