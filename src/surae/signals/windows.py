@@ -13,8 +13,8 @@ from surae.recording import MUSCLES, Recording
 from surae.signals.inputs import ModelInputs
 from surae.signals.timebase import GAP_STEPS
 
-#: A recording that lasts longer [s] is thinned to so many windows of that length [s], for one model;
-#: a family reads all of it in blocks (`surae.signals.blocks`).
+#: A recording that lasts longer [s] is thinned to so many windows of that length [s], for a named
+#: model; a family reads all of it in blocks (`surae.signals.blocks`).
 ONE = (900.0, 10, 60.0)
 #: Where samples are missing for so long [s], a recording is in parts; shorter ones tell nothing.
 _GAP = 0.05
