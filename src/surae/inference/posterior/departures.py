@@ -72,6 +72,7 @@ def choose(family: Family, values: Mapping[str, float], noise: Sequence[NoiseMod
     own = family.like(full, sets[0].groups)
     mode = sets[0].mode
     best = own.descend(own.like(full, mode), *point.latents_at(mode), tolerance=0.1)
+    full.observed.forget()
     if own.fast is None and not family.is_perfect:
         found = learnt(*_with_noise_of_drives(own, best), 1)
         own, best = unless_worse(found, (own, best), family.at_rate(RATE_HZ))
@@ -93,6 +94,7 @@ def _with_all(
     post, point = learnt(post, point, 2, white=True, tolerance=0.3)
     full = family.posterior(possible, RATE_HZ, post.noise, post.sizes)
     full = full.having(fast=post.fast)
+    post.observed.forget()
     point = full.descend(full.like(post, point.z), point.c, tolerance=0.3)
     full, point = learnt(full, point, tolerance=_WEIGHED)
     if rare := _rare(family, full, point, possible):

@@ -14,7 +14,7 @@ from surae.base.names import GEOMETRY_OF
 from surae.inference.coordinates import is_straight
 from surae.inference.least_squares.fit import fit_problem
 from surae.inference.least_squares.starts import Follow
-from surae.inference.noise import NoiseModel
+from surae.inference.noise import NoiseModel, mean_noise
 from surae.inference.population_priors import WIDENED, wide_priors
 from surae.inference.posterior.expected_drives import expected_drives
 from surae.inference.posterior.film import names_of_film
@@ -29,6 +29,7 @@ from surae.model.source import Gaussian
 from surae.model.source_table import GEAR
 from surae.model.symmetry import GROUPS, bend_of_work, length_at_rest
 from surae.signals import ModelInputs, emg_levels, emg_sizes, quiet_levels, steady_emg
+from surae.signals.blocks import Part, cut, telling
 from surae.signals.prepare import sharpened
 from surae.signals.resample import thinned, thinning_factor
 
@@ -81,8 +82,9 @@ class Family:
         self.is_still = self.is_perfect  #: Whether nothing is to differ from moment to moment.
         self.known = settings.known  #: Groups that are in without being asked for.
         self._thinned: dict[float, tuple[ModelInputs, ...]] = {}
-        #: What each posterior counted so far, and no more of it: its rows are large.
-        self._calls: list[list[int]] = []
+        #: What each posterior counted so far, and of how many recordings or blocks: no more of it,
+        #: for its rows are large.
+        self._calls: list[tuple[list[int], int]] = []
         if problem.has_unheard:  # what such muscles do would pass for noise of the others' EMG
             self._forget_noise()
 
@@ -100,12 +102,12 @@ class Family:
     @property
     def evaluations(self) -> int:
         """Simulations with derivatives so far, of all recordings together."""
-        return sum(simulated for simulated, _ in self._calls) // len(self.inputs)
+        return sum(calls[0] // parts for calls, parts in self._calls)
 
     @property
     def capped(self) -> int:
         """Descents so far that ended at a cap."""
-        return sum(capped for _, capped in self._calls)
+        return sum(calls[1] for calls, _ in self._calls)
 
     def possible(self, groups: Sequence[str]) -> tuple[str, ...]:
         """Those of the groups of which something is not ruled out."""
@@ -119,6 +121,29 @@ class Family:
                 thinned(r, thinning_factor(r, rate_hz, _SAMPLES)) for r in self.original.inputs
             )
         return self._thinned[rate_hz]
+
+    def _parts(self, rate_hz: float) -> list[Part]:
+        """The recordings at a rate, long ones as blocks: at the first rate a few of them."""
+        made: list[Part] = []
+        pairs = zip(self.at_rate(rate_hz), self.original.inputs, strict=True)
+        for number, (given, whole) in enumerate(pairs):
+            parts = cut(given, number, whole.n / whole.rate_hz)
+            made += telling(parts) if rate_hz <= FIRST_HZ else parts
+        return made
+
+    def _of_parts(
+        self, noise: Sequence[NoiseModel], parts: Sequence[Part]
+    ) -> tuple[NoiseModel, ...]:
+        """The noise of each part, where that of recordings or of some of their parts is known."""
+        if len(noise) == len(parts):
+            return tuple(noise)
+        numbers: list[int] = [part.number for part in self._parts(FIRST_HZ)]
+        if len(noise) == len(self.inputs):
+            numbers = [*range(len(noise))]
+        return tuple(
+            mean_noise([n for n, of in zip(noise, numbers, strict=True) if of == part.number])
+            for part in parts
+        )
 
     def inputs_with_steps(self) -> tuple[ModelInputs, ...]:
         """The recordings as they were given, with the account of what was fitted of them."""
@@ -155,10 +180,12 @@ class Family:
             inputs = of.problem.inputs
             latents = of.latents
         else:
-            inputs = tuple(expected_drives(recording) for recording in self.at_rate(rate_hz))
+            parts = self._parts(rate_hz)
+            noise = self._of_parts(noise, parts)
+            inputs = tuple(expected_drives(part.inputs) for part in parts)
             latents = tuple(
-                Latents.of(r, self._silent, whole.n / whole.rate_hz, perfect=self.is_perfect)
-                for r, whole in zip(inputs, self.original.inputs, strict=True)
+                Latents.of(r, self._silent, part.seconds, perfect=self.is_perfect, part=part)
+                for r, part in zip(inputs, parts, strict=True)
             )
         original = self.original
         beliefs = {
@@ -195,7 +222,7 @@ class Family:
             problem, priors, noise, latents, sizes, beliefs=beliefs, rate_hz=rate_hz, rest=rest
         )
         made.follow = self._follow
-        self._calls.append(made.observed.calls)
+        self._calls.append((made.observed.calls, len(inputs)))
         return made
 
     def like(self, of: LogPosterior, groups: Sequence[str]) -> LogPosterior:

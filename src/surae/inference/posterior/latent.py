@@ -22,6 +22,7 @@ from surae.inference.posterior.film import FilmView, hats, slices_of, views
 from surae.model.activation import IntArray
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs, smooth_effort
+from surae.signals.blocks import Part
 
 #: Correlation time and distance of the hats [s]: of an electrode's gain, and of the torque's zero.
 GAIN_S = 6.0
@@ -60,11 +61,18 @@ class Latents:
 
     @classmethod
     def of(
-        cls, recording: ModelInputs, silent: frozenset[str], seconds: float, *, perfect: bool
+        cls,
+        recording: ModelInputs,
+        silent: frozenset[str],
+        seconds: float,
+        *,
+        perfect: bool,
+        part: Part | None = None,
     ) -> "Latents":
-        """The latents of a recording that lasts so long before it is thinned.
+        """The latents of a recording that lasts so long before it is thinned, or of its `part`.
 
-        Muscles that are silent, and all of a `perfect` laboratory, have no gain.
+        What no model has, and what softens, is of a part as it is of the whole. Muscles that are
+        silent, and all of a `perfect` laboratory, have no gain.
         """
         muscles = tuple(
             i
@@ -73,8 +81,9 @@ class Latents:
         )
         gain, at_gain = _hats_over_time(recording, seconds, GAIN_STEP_S)
         drift, at_drift = _hats_over_time(recording, seconds, DRIFT_STEP_S)
-        misfit = _hats_over_movement(recording)
-        softening = _left_to_soften(recording)
+        whole, at = (recording, slice(None)) if part is None else (part.whole, part.at)
+        misfit = _hats_over_movement(whole)[:, at]
+        softening = _left_to_soften(whole)[:, at]
         sizes = (len(muscles) * len(gain), len(drift), 2 * len(misfit), 2 * len(softening))
         ends = np.cumsum(sizes)
         slices = {
