@@ -28,8 +28,8 @@ from surae.recording import Recording
 
 #: What the fit must explain for a lag to be looked for.
 _EXPLAINS = 0.8
-#: A rate that is claimed [s/s], at least and at most: no clock is wrong by more, and a measured trial
-#: on one clock passes for 15 ms/s.
+#: A rate that is claimed [s/s], at least and at most: no clock is wrong by more, and a measured
+#: trial on one clock passes for 15 ms/s.
 _RATE = (8e-4, 0.006)
 #: It is so many of its standard errors from none.
 _CLEAR = 3.0
@@ -42,9 +42,12 @@ _RARE = 6.0
 _DIFFERENCE = 0.01
 _STEP = 0.06
 _FARTHEST = 0.5
-#: Steps at most, and the part of its standard error below which a change is none.
+#: Steps at most, those that are taken whole, and the part of its standard error below which a
+#: change is none, of the rate and, more coarsely, of the lag.
 _STEPS = 8
+_WHOLE = 2
 _STAYS = 0.15
+_LAG_STAYS = 0.6
 #: After the first step no more is looked for where so little drifts, in standard errors.
 _HINT = 1.5
 #: Order of the autocorrelation, and stretches of the jackknife.
@@ -136,12 +139,14 @@ def estimated_clock(
         quiet = abs(step.rate) < min(_HINT * step.rate_sem, _RATE[0]) and abs(step.lag) < _STEP
         if hinted and not number and quiet:
             return None
-        lag += float(np.clip(step.lag, -_STEP, _STEP))
-        rate += float(np.clip(step.rate, -_STEP / half, _STEP / half))
+        # The fit is not freed of autocorrelation, and would pull back what it is moved by.
+        part = 1.0 if number < _WHOLE else 0.5
+        lag += part * float(np.clip(step.lag, -_STEP, _STEP))
+        rate += part * float(np.clip(step.rate, -_STEP / half, _STEP / half))
         if abs(lag) > _FARTHEST or abs(rate) * half > _FARTHEST:
             return None
-        stays = abs(step.lag) < _STAYS * step.lag_sem + 1e-3
-        if stays and abs(step.rate) < _STAYS * step.rate_sem:
+        stays = max(abs(step.lag) / step.lag_sem - _LAG_STAYS, 0.0) + abs(step.rate) / step.rate_sem
+        if stays < _STAYS:
             return Estimated(lag, rate, step.lag_sem, step.rate_sem, step.seen * rate**2)
     return None
 
