@@ -1,7 +1,8 @@
 """Two clocks: by how much the EMG is late for the torque, and whether that grows through a trial.
 
 Model 1.0 is fitted quickly; what it leaves is then explained, to first order, by a lag of the EMG,
-a lag that grows, all parameters, and drifts of the torque's zero and of the electrodes. What a
+a lag that grows, all parameters, and drifts, even or bent, of the torque's zero and of the
+electrodes. What a
 model lacks is slow, and says little of time: the equations are freed of the residual's
 autocorrelation first (Prais and Winsten; generalised least squares), so that quick changes count.
 The steps are repeated until lag and rate stay. Their standard errors are the larger of those of
@@ -182,6 +183,8 @@ def _step(
     values = dict(zip(problem.free, x.tolist(), strict=True))
     slow = growing(rows[:-1], values)
     slow.pop("emg", None)  # the sum of the two groups
+    bend = 4.0 * np.linspace(-0.5, 0.5, len(by_lag))  # electrodes do not drift evenly
+    slow |= {f"{name}, bent": bend * each for name, each in slow.items()}
     others = [*rows[:-1], np.ones_like(by_lag), *slow.values()]
     measured = problem.inputs[0].torque
     assert measured is not None
