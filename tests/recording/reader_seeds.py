@@ -2,6 +2,7 @@
 
 import io
 import random
+import re
 import struct
 import tempfile
 from collections.abc import Callable
@@ -359,8 +360,33 @@ NUMBERS = (
 )
 
 
+def _rearranged(data: bytes, rng: random.Random) -> bytes:
+    """A text with lines left out or exchanged, or two cells of a line exchanged."""
+    lines = data.splitlines(keepends=True)
+    if len(lines) < 3:
+        return data
+    at = rng.randrange(min(len(lines) - 1, rng.choice((12, len(lines)))))
+    match rng.randrange(3):
+        case 0:
+            del lines[at : at + rng.choice((1, 1, 2, 20))]
+        case 1:
+            lines[at], lines[at + 1] = lines[at + 1], lines[at]
+        case _:
+            cells = re.split(rb"([,;\t])", lines[at].rstrip(b"\r\n"))
+            if len(cells) > 4:
+                one, other = (2 * rng.randrange(len(cells) // 2) for _ in range(2))
+                cells[one], cells[other] = cells[other], cells[one]
+                lines[at] = b"".join(cells) + b"\n"
+    return b"".join(lines)
+
+
 def mutated(data: bytes, rng: random.Random, *, text: bool) -> bytes:
-    """The file with something wrong in it: cut, flipped, repeated, or with a huge number."""
+    """The file with something wrong in it: cut, flipped, repeated, or with a huge number.
+
+    Of a text also lines and cells are left out and exchanged.
+    """
+    if text and rng.random() < 0.3:
+        return _rearranged(data, rng)
     for _ in range(rng.choice((1, 1, 2, 5))):
         # Most of what a reader believes stands at the beginning.
         reach = rng.choice((len(data), len(data), 512, 2048))

@@ -1,8 +1,11 @@
 """A file that was cut short is refused, or says so: one rule for all readers."""
 
+import random
+
 import pytest
 from reader_seeds import SEEDS
 
+from marks import slow
 from surae.base.errors import InputError
 from surae.recording.formats import open_table
 from surae.recording.source import open_source
@@ -26,7 +29,14 @@ def looked_at(path):
     return {name: len(column.values) for name, column in columns.items()}, "; ".join(said)
 
 
-@pytest.mark.parametrize("part", [0.55, 0.8, 0.97])
+#: Trigno Discover states seconds, and its sensors end some samples apart: so many tell nothing.
+ALLOWED = {"discover": 2}
+#: Parts that are left: three always, and twenty anywhere behind a heading.
+PARTS = [0.55, 0.8, 0.97]
+ANYWHERE = [slow(part / 1e4) for part in random.Random(71).choices(range(4000, 9990), k=20)]
+
+
+@pytest.mark.parametrize("part", [*PARTS, *ANYWHERE])
 @pytest.mark.parametrize("reader", SEEDS)
 def test_every_readers_file_that_is_cut_is_refused_or_says_so(tmp_path, reader, part):
     path = tmp_path / "file"
@@ -39,7 +49,10 @@ def test_every_readers_file_that_is_cut_is_refused_or_says_so(tmp_path, reader, 
         path.write_bytes(whole[: round(part * len(whole))])
         if (after := looked_at(path)) is None:
             continue
-        lost = sum(after[0].values()) < sum(before[0].values())
+        if not after[0].keys() & before[0].keys():  # cut in its heading: of it nothing is known
+            continue
+        few = ALLOWED.get(reader, 0)
+        lost = any(after[0].get(name, 0) < n - few for name, n in before[0].items())
         *_, above, last = whole[: round(part * len(whole))].split(b"\n")
         cells, full = ([row.count(b) for b in (b",", b"\t", b";")] for row in (last, above))
         whole_row = cells == full or not last.strip()

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { forTrial, trialsAmong } from "./js/ui/trials.js";
+import { forTrial, trialsAmong, trialsWithin } from "./js/ui/trials.js";
 
 const file = (id, name, columns, roles) => ({
   id, name, columns: columns.map((column) => ({ name: column })), mapping: { channels: roles },
@@ -22,4 +22,12 @@ test("a trial is described as the first is, by its own file and name", () => {
   assert.deepEqual(made, { name: "run", emg: "raw", channels: { angle: { ...angle, upload: "2" } } });
   assert.equal(forTrial(one, { name: "x", channels: { angle } }).name, "walk.1");
   assert.throws(() => forTrial(emg, { channels: { angle } }), /no column crank/);
+});
+
+test("trials within one file keep its columns, and each has its own name and place in it", () => {
+  const within = trialsWithin({ ...one, trials: [{ name: "walk-1.5", trial: { column: "rep", index: 1 } }] });
+  assert.equal(within.length, 1);
+  assert.deepEqual(trialsWithin(two), []);
+  const made = forTrial(within[0], { name: "x", trial: { column: "rep", index: 3 }, channels: { angle } });
+  assert.deepEqual(made, { name: "walk-1.5", trial: { column: "rep", index: 1 }, channels: { angle } });
 });

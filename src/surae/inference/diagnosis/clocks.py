@@ -1,7 +1,8 @@
 """Two clocks: by how much the EMG is late for the torque, and whether that grows through a trial.
 
 Model 1.0 is fitted quickly; what it leaves is then explained, to first order, by a lag of the EMG,
-a lag that grows, all parameters, and drifts of the torque's zero and of the electrodes. What a
+a lag that grows, all parameters, and drifts, even or bent, of the torque's zero and of the
+electrodes. What a
 model lacks is slow, and says little of time: the equations are freed of the residual's
 autocorrelation first (Prais and Winsten; generalised least squares), so that quick changes count.
 The steps are repeated until lag and rate stay. Their standard errors are the larger of those of
@@ -42,9 +43,12 @@ _RARE = 6.0
 _DIFFERENCE = 0.01
 _STEP = 0.06
 _FARTHEST = 0.5
-#: Steps at most, and the part of its standard error below which a change is none.
+#: Steps at most, those that are taken whole, and the part of its standard error below which a
+#: change is none, of the rate and, more coarsely, of the lag.
 _STEPS = 8
+_WHOLE = 2
 _STAYS = 0.15
+_LAG_STAYS = 0.6
 #: After the first step no more is looked for where so little drifts, in standard errors.
 _HINT = 1.5
 #: Order of the autocorrelation, and stretches of the jackknife.
@@ -136,12 +140,14 @@ def estimated_clock(
         quiet = abs(step.rate) < min(_HINT * step.rate_sem, _RATE[0]) and abs(step.lag) < _STEP
         if hinted and not number and quiet:
             return None
-        lag += float(np.clip(step.lag, -_STEP, _STEP))
-        rate += float(np.clip(step.rate, -_STEP / half, _STEP / half))
+        # The fit is not freed of autocorrelation, and would pull back what it is moved by.
+        part = 1.0 if number < _WHOLE else 0.5
+        lag += part * float(np.clip(step.lag, -_STEP, _STEP))
+        rate += part * float(np.clip(step.rate, -_STEP / half, _STEP / half))
         if abs(lag) > _FARTHEST or abs(rate) * half > _FARTHEST:
             return None
-        stays = abs(step.lag) < _STAYS * step.lag_sem + 1e-3
-        if stays and abs(step.rate) < _STAYS * step.rate_sem:
+        stays = max(abs(step.lag) / step.lag_sem - _LAG_STAYS, 0.0) + abs(step.rate) / step.rate_sem
+        if stays < _STAYS:
             return Estimated(lag, rate, step.lag_sem, step.rate_sem, step.seen * rate**2)
     return None
 
@@ -177,6 +183,8 @@ def _step(
     values = dict(zip(problem.free, x.tolist(), strict=True))
     slow = growing(rows[:-1], values)
     slow.pop("emg", None)  # the sum of the two groups
+    bend = 4.0 * np.linspace(-0.5, 0.5, len(by_lag))  # electrodes do not drift evenly
+    slow |= {f"{name}, bent": bend * each for name, each in slow.items()}
     others = [*rows[:-1], np.ones_like(by_lag), *slow.values()]
     measured = problem.inputs[0].torque
     assert measured is not None

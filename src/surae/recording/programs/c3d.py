@@ -64,6 +64,12 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
         layout, doubts = _layout(data, parameters, shown)
         points, analog = _samples(data, layout, parameters.processor)
         point_hz, analog_hz, doubt = _rates(data, parameters, layout, shown)
+        if parameters.cut:
+            doubts = [
+                *doubts,
+                "its parameters end before their block does: if names or units are "
+                "missing, it was cut short",
+            ]
         about = [*doubts, doubt] if doubt else doubts
         columns = [*_channels(parameters, layout, analog, analog_hz, about)]
         columns += _points(parameters, layout, points, point_hz, doubts, alone=not columns)
@@ -86,9 +92,11 @@ class _Parameters:
             )
         (block,) = struct.unpack_from("<H", data, 16)
         end = max(begin + data[begin + 2] * _BLOCK, (block - 1) * _BLOCK)
+        # A section behind the samples may end with its last parameter, not with its block.
+        self.cut = len(data) < end
         with tempfile.TemporaryDirectory(prefix="surae-") as folder:
             path = Path(folder) / "parameters.c3d"
-            path.write_bytes(data[:end])
+            path.write_bytes(data[:end].ljust(end, b"\0"))
             try:
                 groups = ezc3d.c3d(str(path), ignore_bad_formatting=True)["parameters"]
             except ValueError:  # it insists on a frame

@@ -162,7 +162,7 @@ def _whole(columns: Mapping[str, Column], announced: int) -> dict[str, Column]:
     ends = [float(columns[name].time[-1]) for name in others if len(columns[name].time) >= _FEWEST]
     own = columns[last].time
     step = float(own[1] - own[0]) if len(own) >= _FEWEST else 0.0
-    if ends and (len(own) < _FEWEST or own[-1] + 3.0 * step < max(ends)):
+    if ends and (len(own) < _FEWEST or own[-1] + 1.5 * step < max(ends)):
         n = len(own)
         said = f"it ends at sample {n}, before the other channels: the file was cut short"
         made[last] = replace(columns[last], remark=said)

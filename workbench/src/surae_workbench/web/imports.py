@@ -81,6 +81,10 @@ def _folder(files: Sequence[Upload]) -> Iterator[dict[str, str]]:
         shutil.rmtree(folder, ignore_errors=True)
 
 
+#: Trials of one file that are imported at once.
+_MOST_TRIALS = 64
+
+
 def inspected(files: Sequence[Upload]) -> dict[str, Any]:
     """What is in files, and a guess of what each column is; of a mapping, its content."""
     with _folder(files) as names:
@@ -127,6 +131,7 @@ def _of_data(names: Sequence[str], ids: Mapping[str, str]) -> dict[str, Any]:
         }
         for role, channel in inspection.roles.items()
     }
+    within = _trials_within(Path(names[0]).stem, inspection) if len(names) == 1 else []
     weights = {"emg_ta": "g1", "emg_gl": "g2", "emg_sol": "g3", "emg_gm": "g4"}
     return {
         "format": " + ".join(dict.fromkeys(inspection.formats.values())),
@@ -148,8 +153,10 @@ def _of_data(names: Sequence[str], ids: Mapping[str, str]) -> dict[str, Any]:
                 f"this form reads the first of them, {trials.names[0]}; the others by a mapping, "
                 "with surae session or surae fit"
                 for trials in inspection.trials.values()
+                if not within
             ),
         ],
+        "trials": within,
         "ready": {"angle", "torque"} <= channels.keys()
         and not inspection.open
         and (inspection.emg is not None or not any(role.startswith("emg_") for role in channels))
@@ -176,6 +183,22 @@ def _readable(names: Sequence[str]) -> tuple[Sequence[str], list[str]]:
     return good, [f"set aside: {name}: {why}" for name, why in zip(wrong, reasons, strict=True)]
 
 
+def _trials_within(stem: str, inspection: api.Inspection) -> list[dict[str, Any]]:
+    """The trials in one file by name, as the form imports each; none where they are too many."""
+    return [
+        {"name": f"{stem}-{name}", "trial": _chosen(choice)}
+        for trials in inspection.trials.values()
+        for name, choice in zip(trials.names, trials.choices, strict=True)
+        if len(trials.names) <= _MOST_TRIALS
+    ]
+
+
+def _chosen(trial: Any) -> dict[str, Any]:
+    """What a mapping says of one trial in a file."""
+    named = {key: getattr(trial, key) for key in ("column", "sheet", "group", "index")}
+    return {key: value for key, value in named.items() if value is not None}
+
+
 def _times_and_trial(inspection: api.Inspection) -> dict[str, Any]:
     """The column of times, and the first of several trials, as the form's mapping says them.
 
@@ -185,9 +208,7 @@ def _times_and_trial(inspection: api.Inspection) -> dict[str, Any]:
     for clock in inspection.clocks.values():
         made["time"] = {"column": clock.column, "unit": clock.unit}
     for trials in inspection.trials.values():
-        first = trials.choices[0]
-        named = {key: getattr(first, key) for key in ("column", "sheet", "group", "index")}
-        made["trial"] = {key: value for key, value in named.items() if value is not None}
+        made["trial"] = _chosen(trials.choices[0])
     return made
 
 

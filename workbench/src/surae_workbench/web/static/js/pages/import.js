@@ -10,7 +10,7 @@ import { editSubject } from "../ui/dialog.js";
 import { ranges } from "../ui/describe.js";
 import { findingsTable } from "../ui/findings.js";
 import { emptyMapping, mappingTable } from "../ui/mapping.js";
-import { forTrial, legOf, trialsAmong } from "../ui/trials.js";
+import { forTrial, legOf, trialsAmong, trialsWithin } from "../ui/trials.js";
 import { _, many, said } from "../core/words.js";
 
 const box = { upload: byId("upload-error"), inspect: byId("inspect-error"), mapping: byId("mapping-error") };
@@ -25,7 +25,7 @@ let mapping = emptyMapping();
 let units = { roles: [], units: {} };
 /** Side, day and code of the leg, as the names of files say. */
 let guessed = {};
-/** Files of which each is a trial of its own; empty where all are parts of one recording. */
+/** Trials, each a file or a part of one; empty where all are parts of one recording. */
 let trials = [];
 
 // What was chosen survives a reload, in this tab only.
@@ -97,6 +97,7 @@ async function inspect(given = null) {
   // A description beside several trials is of one of them, and serves all.
   const described = read.some((one) => isMapping(one.id));
   trials = trialsAmong(read.filter((one) => !isMapping(one.id)));
+  if (read.length === 1) trials = trialsWithin(read[0]);
   const together = trials.length && !described ? trials[0] : read.length > 1 ? await both() : read[0];
   const ofTrial = (one) => Object.values(together?.mapping.channels ?? {}).some((channel) => channel.upload === one.id);
   if (described) trials.sort((a, b) => ofTrial(b) - ofTrial(a));

@@ -18,13 +18,17 @@ export const trialList = (trials, chosen, choose, about) =>
 /** The files of which each holds an angle of its own; none where they are parts of one recording. */
 export const trialsAmong = (files) => (files.length > 1 && files.every((one) => one.mapping.channels?.angle && one.columns.length) ? files : []);
 
+/** The trials in one file, of which each is imported as a recording; none where it is one. */
+export const trialsWithin = (file) => (file.trials ?? []).map((one) => ({ ...file, ...one }));
+
 /** The description of one trial, as that of another says; throws where it has no such column. */
 export function forTrial(one, mapping) {
   const channels = Object.entries(mapping.channels).map(([role, channel]) => {
     if (!one.columns.some((column) => column.name === channel.column)) throw new Error(_("it has no column {column}", channel));
     return [role, { ...channel, upload: one.id }];
   });
-  return { ...mapping, name: one.name.replace(/\.[^.]*$/, ""), channels: Object.fromEntries(channels) };
+  const own = one.trial ? { name: one.name, trial: one.trial } : { name: one.name.replace(/\.[^.]*$/, "") };
+  return { ...mapping, ...own, channels: Object.fromEntries(channels) };
 }
 
 const SIDES = [["left", /(^|[^a-z])(left|links|linkes|gauche)([^a-z]|$)/i], ["right", /(^|[^a-z])(right|rechts|rechtes|droite?)([^a-z]|$)/i]];
