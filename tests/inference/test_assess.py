@@ -248,3 +248,15 @@ def test_predict_needs_a_torque(fitted, noisy):
     for torque in (None, np.zeros(noisy.n)):
         with pytest.raises(InputError, match="no torque to compare"):
             predict_others(fitted, [replace(noisy, torque=torque)], None)
+
+
+def test_a_verdict_that_hangs_on_one_of_several_starts_is_none(fitted, monkeypatch):
+    """Rounding decides then in which of two minima the search ends."""
+    monkeypatch.setattr("surae.inference.uncertainty.combined.arms_and_paths", lambda *_: None)
+    sure = [n for n, p in assess(fitted).parameters.items() if p.verdict is Verdict.IDENTIFIED]
+    assert sure
+    starts = (*fitted.solution.starts, replace(fitted.solution.starts[0], sse=1e3))
+    found = assess(replace(fitted, solution=replace(fitted.solution, starts=starts, agreeing=1)))
+    for name in sure:
+        assert found.parameters[name].verdict is Verdict.WEAK
+        assert "its starts disagree" in found.parameters[name].note

@@ -3,7 +3,9 @@
 A file may be a stranger's: links, tables and programs in it that are not ours are refused.
 """
 
+import shutil
 import sqlite3
+import tempfile
 from collections.abc import Iterator
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
@@ -135,10 +137,41 @@ def open_to_read(
     try:
         return _reading(connected(path, "rw", patience), name, kind)
     except sqlite3.OperationalError as error:
-        blocked = (sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_READONLY)
+        blocked = (
+            sqlite3.SQLITE_CANTOPEN,
+            sqlite3.SQLITE_READONLY,
+            sqlite3.SQLITE_FULL,
+            sqlite3.SQLITE_IOERR,
+        )
         if error.sqlite_errorcode & 0xFF not in blocked:
             raise
+    log = path.with_name(f"{path.name}-wal")
+    if log.exists() and log.stat().st_size:
+        return open_in_memory(path, name, kind)
     return _reading(connected(path, "ro&immutable=1", patience), name, kind)
+
+
+def open_in_memory(path: Path, name: str, kind: Format) -> sqlite3.Connection:
+    """What the file holds, in memory: where nothing can be written beside it.
+
+    What was written last may still lie in the log beside it, which is read in a copy elsewhere.
+    """
+    refuse_links(path)
+    with tempfile.TemporaryDirectory(prefix="surae-project-") as folder:
+        place = Path(folder) / path.name
+        mode = "rw"
+        try:
+            for each in (path, path.with_name(f"{path.name}-wal")):
+                if each.exists():
+                    shutil.copyfile(each, Path(folder) / each.name)
+        except OSError:  # there is no room elsewhere either: what is in the file itself is read
+            place = path
+            mode = "ro&immutable=1"
+        with closing(_reading(connected(place, mode), name, kind)) as file:
+            memory = sqlite3.connect(":memory:", isolation_level=None, check_same_thread=False)
+            memory.execute("PRAGMA trusted_schema = OFF")
+            file.backup(memory)
+    return memory
 
 
 def _reading(file: sqlite3.Connection, name: str, kind: Format) -> sqlite3.Connection:

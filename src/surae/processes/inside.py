@@ -13,6 +13,7 @@ from importlib import import_module
 from typing import IO, Any
 
 from surae.base.errors import InputError, SuraeError
+from surae.base.files import shown
 from surae.processes.messages import FULL, NO_ROOM, one_line, received, send, where
 
 #: To the parent; None in a process that is nobody's child.
@@ -154,7 +155,8 @@ def _ended_by(error: BaseException) -> dict[str, Any]:
     if isinstance(error, MemoryError):
         return {"how": "failed", "message": "not enough memory; cut or downsample the recording"}
     if isinstance(error, OSError) and error.errno in FULL:
-        return {"how": "failed", "message": NO_ROOM}
+        place = f"{shown(error.filename)}: " if error.filename else ""
+        return {"how": "failed", "message": f"{place}{NO_ROOM}"}
     if isinstance(error, SuraeError):
         how = "refused" if isinstance(error, InputError) else "failed"
         return {"how": how, "message": one_line(error)}

@@ -332,6 +332,9 @@ def _by_covariance(
         narrowed=narrowed,
         noise=alone,
     )
+    if verdict is Verdict.IDENTIFIED and result.solution.is_alone:
+        verdict = Verdict.WEAK
+        note = Message("note/but", known=note, but=Message("note/one-start"))
     if against is not None and repeatable and verdict is not Verdict.IDENTIFIED:
         note = Message(
             "note/contradicted",

@@ -20,6 +20,7 @@ from typing import Any
 from surae.base.database import (
     Format,
     damage,
+    open_in_memory,
     open_to_read,
     open_to_write,
     sqlite_errors,
@@ -62,7 +63,7 @@ FORMAT = Format(
     version=1,
     what="a surae project",
     tables=_TABLES,
-    full=NO_ROOM,
+    full="{name}: " + NO_ROOM.replace("the disk", "the disk that it is on"),
     damaged="recordings and fits beside it are whole; restore a backup",
 )
 _COLUMNS = "SELECT id, kind, created, deleted, data FROM thing"
@@ -81,17 +82,34 @@ class Database:
     """The file, made where it is missing, open for all of the server's threads.
 
     `still_ours` raises where nothing may be written any more: somebody else has taken the project.
+    Where nothing can be kept, which `unkept` says, the file is read, browsers' sessions are in
+    memory, and whoever changes an entry is told.
     A file that is none of ours, of a newer surae, or that holds more than our tables is an
     InputError; one that cannot be read or written, now or later, a ComputationError.
     """
 
-    def __init__(self, path: Path, still_ours: Callable[[], None] = lambda: None) -> None:
+    def __init__(
+        self, path: Path, still_ours: Callable[[], None] = lambda: None, unkept: str = ""
+    ) -> None:
         self._name = path.name
+        self.unkept = unkept
         self._still_ours = still_ours
-        self._writing, self._reading = threading.RLock(), threading.Lock()
+        self._writing = threading.RLock()
+        self._reading: threading.Lock | threading.RLock = threading.Lock()
         self._writer: int | None = None  # the thread that is in a transaction
         self._touched: set[tuple[str, object]] = set()  # kind and id of what it has changed
         self._kept: dict[str, dict[object, _Kept]] = {}  # by kind and id, the oldest first
+        if unkept:
+            with sqlite_errors(self._name, FORMAT):
+                self._file = self._reader = open_in_memory(path, self._name, FORMAT)
+            self._reading = self._writing  # there is one connection
+        else:
+            self._open(path)
+        for row in self.rows(f"{_COLUMNS} ORDER BY created, id"):
+            self._keep(*row)
+
+    def _open(self, path: Path) -> None:
+        """Open the file to write, and a second time to read."""
         with sqlite_errors(self._name, FORMAT):
             self._file = open_to_write(path, self._name, FORMAT, _PATIENCE)
             try:
@@ -100,8 +118,6 @@ class Database:
             except BaseException:
                 self._file.close()
                 raise
-        for row in self.rows(f"{_COLUMNS} ORDER BY created, id"):
-            self._keep(*row)
 
     def close(self) -> None:
         """Let go of the file."""
@@ -147,6 +163,8 @@ class Database:
 
     def change(self, kind: str, id_: object, query: str, *values: object) -> int:
         """Change the row of an entry; how many were."""
+        if self.unkept:
+            raise RefusedError(503, self.unkept)
         with self.transaction():
             count = self.write(query, *values)
             self._touched.add((kind, id_))

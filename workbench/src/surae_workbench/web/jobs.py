@@ -52,7 +52,8 @@ class Jobs:
         self._cancelled: set[str] = set()
         self._lock = threading.Lock()
         self._closed = False
-        for job in project.database.active():  # that the last server left unfinished
+        # What the last server left unfinished.
+        for job in () if project.unkept else project.database.active():
             message = "the server ended meanwhile; ask for it again"
             project.change(
                 "job", job["id"], state="interrupted", ended=time.time(), message=message

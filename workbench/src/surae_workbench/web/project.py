@@ -1,7 +1,9 @@
 """A project: one folder that holds all of a laboratory's work, and can be copied and opened."""
 
+import errno
 import os
 import re
+import shutil
 import sqlite3
 import time
 from collections.abc import Iterable, Mapping
@@ -11,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from surae.base.database import lock
-from surae.base.errors import InputError
+from surae.base.errors import ComputationError, InputError
 from surae.base.files import PathLike, is_link, sha256_of, shown, write_json
 from surae_workbench.web.database import Database, new_id
 from surae_workbench.web.http_errors import RefusedError, not_found
@@ -31,6 +33,15 @@ from surae_workbench.web.rows import ID, KINDS, Entry
 #: Deleted entries come back with undo for so long, uploads lie so long, and the trash keeps what
 #: came into it so long [s].
 KEPT = 30 * 86_400.0
+#: What a system, and SQLite, say where nothing can be written; and room that any writing needs.
+_NOT_WRITTEN = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM)
+_NOT_TAKEN = (
+    sqlite3.SQLITE_FULL,
+    sqlite3.SQLITE_READONLY,
+    sqlite3.SQLITE_CANTOPEN,
+    sqlite3.SQLITE_IOERR,
+)
+_ROOM = 2**18
 #: A file in the trash that we put there.
 _TRASHED = re.compile(r"[a-z]+-[0-9a-f]{16}[a-z0-9.-]{0,40}")
 
@@ -47,34 +58,61 @@ class Project:
     def __init__(self, folder: PathLike) -> None:
         self.folder = Path(os.path.realpath(folder))
         where = shown(folder)
-        try:
-            refuse_foreign(self.folder, where)
-            # What was measured of people is for the one who made the folder to show to others.
-            self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-            for name in (f"{DATABASE}.lock", DATABASE):
-                new_private(self.folder / name)
-            held = lock(self.folder / DATABASE)
-        except (OSError, sqlite3.Error) as error:
-            reason = (getattr(error, "strerror", None) or str(error)).lower()
-            raise InputError(
-                f"cannot use {where} as a project: {reason}; give another folder"
-            ) from None
+        #: Checksums of files that were compared, and how the files looked then.
+        self._seen: dict[Path, tuple[object, tuple[int, ...]]] = {}
+        #: Why nothing is kept, in a sentence: there is no room, or nothing may be written.
+        self.unkept = ""
+        with ExitStack() as opened:
+            try:
+                refuse_foreign(self.folder, where)
+                self._begin(opened, where)
+            except (OSError, sqlite3.Error, ComputationError) as error:
+                opened.close()
+                self.unkept = self._why_unkept(error, where)
+                if not self.unkept:
+                    if isinstance(error, ComputationError):
+                        raise
+                    reason = (getattr(error, "strerror", None) or str(error)).lower()
+                    raise InputError(
+                        f"cannot use {where} as a project: {reason}; give another folder"
+                    ) from None
+                self.database = Database(self.folder / DATABASE, unkept=self.unkept)
+                opened.callback(self.database.close)
+                self.id = self._own_id()
+            self._opened = opened.pop_all()
+
+    def _begin(self, opened: ExitStack, where: str) -> None:
+        """Take the folder to work in it."""
+        # What was measured of people is for the one who made the folder to show to others.
+        self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        for name in (f"{DATABASE}.lock", DATABASE):
+            new_private(self.folder / name)
+        held = lock(self.folder / DATABASE)
         if held is None:
             raise InputError(
                 f"{where} is in use by another `surae serve`; stop it, or give another folder"
             )
-        #: Checksums of files that were compared, and how the files looked then.
-        self._seen: dict[Path, tuple[object, tuple[int, ...]]] = {}
-        with ExitStack() as opened:
-            opened.callback(held.close)
-            self._places = self._identities()
-            self.database = Database(self.folder / DATABASE, self.still_ours)
-            opened.callback(self.database.close)
-            for name in FOLDERS:
-                (self.folder / name).mkdir(mode=0o700, exist_ok=True)
-            self.id = self._own_id()
-            self._tidy()
-            self._opened = opened.pop_all()
+        opened.callback(held.close)
+        self._places = self._identities()
+        self.database = Database(self.folder / DATABASE, self.still_ours)
+        opened.callback(self.database.close)
+        for name in FOLDERS:
+            (self.folder / name).mkdir(mode=0o700, exist_ok=True)
+        self.id = self._own_id()
+        self._tidy()
+
+    def _why_unkept(self, error: BaseException, where: str) -> str:
+        """Why nothing can be kept in a project that is there; empty where that is not all."""
+        cause = error if isinstance(error, OSError | sqlite3.Error) else error.__cause__
+        code = getattr(cause, "sqlite_errorcode", 0) & 0xFF
+        if getattr(cause, "errno", None) not in _NOT_WRITTEN and code not in _NOT_TAKEN:
+            return ""
+        if not (self.folder / DATABASE).is_file() or not (self.folder / DATABASE).stat().st_size:
+            return ""  # there is nothing to read
+        room = shutil.disk_usage(self.folder).free
+        why = f"the disk that {where} is on is full" if room < _ROOM else f"{where} is read-only"
+        more = "make room there" if room < _ROOM else "allow writing there, or open a copy"
+        return f"{why}: the project can be read, and nothing is kept; {more}, and start again"
 
     def close(self) -> None:
         """Let go of the folder."""
@@ -89,6 +127,8 @@ class Project:
 
         What is written then would be lost, or meet what another server writes.
         """
+        if self.unkept:
+            return
         with suppress(OSError):
             if self._identities() == self._places:
                 return
@@ -147,6 +187,8 @@ class Project:
 
     def uploads(self, session: str) -> Path:
         """The private folder of a session's uploads."""
+        if self.unkept:
+            raise RefusedError(503, self.unkept)
         self.still_ours()
         folder = uploads_of(self.folder, session)
         folder.mkdir(mode=0o700, exist_ok=True)
@@ -202,6 +244,8 @@ class Project:
     def _own_id(self) -> str:
         """What tells the project from others on the same computer."""
         row = self.database.row("SELECT id FROM thing WHERE kind = 'project'")
+        if row is None and self.unkept:
+            return new_id()
         own = self.database.add("project", {}, new_id()) if row is None else str(row[0])
         if not ID.fullmatch(own):
             raise InputError("its own id is damaged; restore a backup")

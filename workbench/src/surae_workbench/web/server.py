@@ -74,6 +74,8 @@ def serve(project: PathLike, address: Address, *, workers: int, upload_bytes: in
 
     def open_bench() -> tuple[Served, ASGIApp]:
         bench = Workbench(project, workers)
+        if bench.project.unkept:
+            click.echo(f"surae: {bench.project.unkept}", err=True)
         return bench, create_app(bench, Policy.of(address.host, address.token, upload_bytes))
 
     run(open_bench, "workbench", address)
