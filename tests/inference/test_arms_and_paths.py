@@ -12,10 +12,10 @@ from ankle_legs.make import make, truth_of
 from richer_legs import richer_leg
 from surae.base.normal import NORMAL
 from surae.inference import Verdict, assess, make_problem, solve
+from surae.inference.judging.assessment import _with_geometry
 from surae.inference.posterior.empirical_bayes import BEGIN
 from surae.inference.posterior.family import Family
 from surae.inference.posterior.valleys import white_noise
-from surae.inference.judging.assessment import _with_geometry
 from surae.measures.compute import evaluate, points
 from surae.model import ModelOptions
 from surae.model.knowledge import Knowledge
