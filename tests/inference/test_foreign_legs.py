@@ -203,7 +203,7 @@ def test_noise_of_raw_emg_is_no_release_and_no_curve(noisy_raw, family) -> None:
         pytest.param(
             "a",
             marks=pytest.mark.xfail(
-                reason="of the drifting leg a-3201 the time of relaxation is called identified, "
+                reason="of the leg a-3201 the time of relaxation is called identified, "
                 "1.06 to 1.25 s, and is 1.27 s: 2.6 standard deviations, one of seventeen intervals"
             ),
         ),
