@@ -52,10 +52,11 @@ def test_the_lengths_with_the_arm_s_change_leave_room(measured: Numbers) -> None
 
 
 @pytest.mark.slow
-def test_in_legs_of_the_thesis_s_strength_only_the_triceps_stays_in_its_toe() -> None:
-    parts = toes(quick=True)
-    assert all(triceps < 100.0 for triceps, _ in parts)
-    assert max(tibialis for _, tibialis in parts) > 100.0
+def test_forces_of_the_cohort_are_around_the_toe() -> None:
+    """The strongest leg's triceps leaves its toe too: 112 % stand in the table of claims."""
+    triceps, tibialis = zip(*toes(quick=True), strict=True)
+    assert max(triceps) == pytest.approx(112.0, abs=1.0)
+    assert min(triceps) < 100.0 < max(tibialis) < 200.0
 
 
 def test_the_printed_law_knows_its_slack_length() -> None:
