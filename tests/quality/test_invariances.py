@@ -183,3 +183,86 @@ def cut(recording: Recording) -> list[Recording]:
 
         halves.append(replace(mapped(recording, of), name=f"{recording.name}{number}"))
     return halves
+
+
+#: Half-widths of an interval by which what changes nothing may move a measure.
+SAME = 0.02
+#: By how much what averages otherwise may move what rest tells: at twice the rate, with rest
+#: before, and of a trial cut in two, of which each piece has a zero of its own.
+OTHERWISE = {"twice": 0.1, "before": 0.3, "cut": 1.0}
+
+
+def farthest(before, after) -> float:
+    """How far any measure or end of an interval moved, in half-widths; gains are in the EMG's unit.
+
+    `before` and `after` are of one leg; a measure that only one of them has moved without end.
+    """
+    moved = [0.0]
+    for name, m in before.items():
+        if "gain" in name or "per_emg" in name or m.ci95 is None:
+            continue
+        other = after[name]
+        if other.value is None or other.ci95 is None:
+            return np.inf
+        pairs = ((m.value, other.value), *zip(m.ci95, other.ci95, strict=True))
+        half = 0.5 * (m.ci95[1] - m.ci95[0])
+        moved.append(max(abs(a - b) for a, b in pairs) / half)
+    return max(moved)
+
+
+def by_another_unit(recording: Recording) -> Recording:
+    """The torque written in mNm and read as such: other in the last digit."""
+    return scaled(1e-3, "torque")(scaled(1e3, "torque")(recording))
+
+
+def with_an_unused_column(recording: Recording) -> Recording:
+    spare = replace(recording.channels["angle"], role="note")
+    return replace(recording, channels={**recording.channels, "note": spare})
+
+
+def all_at_once(trials: Sequence[Recording]) -> list[Recording]:
+    """Names, order of trials and columns, clock, signs that are declared, the torque's unit."""
+    made = list(trials)[::-1]
+    for name, change in CHANGES.items():
+        if "EMG" not in name:
+            made = [change(each) for each in made]
+    return [with_an_unused_column(by_another_unit(each)) for each in made]
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("few")
+def test_what_changes_no_leg_changes_no_measure(legs) -> None:
+    """EMG in mV and in kV, and all else at once, of a joint fit of three kinds of trials."""
+    trials = [shorter(each) for each in legs["envelope"]]
+    before = surae.session(trials).fit().measures()
+    assert farthest(before, surae.session(all_at_once(trials)).fit().measures()) < SAME
+    for unit in ("EMG in mV", "EMG in kV"):
+        other = [CHANGES[unit](each) for each in trials]
+        assert farthest(before, surae.session(other).fit().measures()) < SAME, unit
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("few")
+def test_what_changes_no_leg_changes_no_measure_of_measured_trials(measured) -> None:
+    """Two measured trials, whose search is long: rounding alone once chose another valley."""
+    trials = [each for each in measured if each.name != "PL_50_01"]
+    before = surae.session(trials).fit().measures()
+    other = [CHANGES["EMG in kV"](each) for each in all_at_once(trials)]
+    assert farthest(before, surae.session(other).fit().measures()) < SAME
+
+
+@pytest.mark.slow
+def test_what_averages_otherwise_hardly_changes_what_rest_tells(legs) -> None:
+    trials = legs["envelope"]
+    before = surae.relaxed(trials).measures
+    known = {name: m for name, m in before.items() if m.value is not None}
+    for name, changed in (
+        ("twice", [at_twice_the_rate(each) for each in trials]),
+        ("before", [with_rest_before(each) for each in trials]),
+        ("cut", [half for each in trials for half in cut(each)]),
+    ):
+        assert farthest(known, surae.relaxed(changed).measures) < OTHERWISE[name], name
+
+
+def shorter(recording: Recording) -> Recording:
+    return replace(recording.crop(0.0, 18.0), name=recording.name)
