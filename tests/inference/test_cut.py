@@ -18,6 +18,7 @@ from surae.inference.relaxed.cut import doubts_of, tissue_beside, with_rest
 from surae.inference.relaxed.regressors import TAUS
 from surae.model import ModelOptions, get_model
 from surae.model.tissue_curve import TissueCurve
+from surae.recording import read
 from surae.settings import FitSettings
 from surae.signals.windows import parted
 
@@ -172,3 +173,17 @@ def test_doubts_are_of_the_curve(toe) -> None:
     degrees = np.array(each[0].degrees)
     spread = sum(np.array(one.torque) ** 2 for one in each)
     np.testing.assert_allclose(spread, np.diag(curve.torque(degrees)[1]), rtol=0.02, atol=1e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("leg", "asked"),
+    [("ra-501", False), ("ra-502", False), ("rl-3-502", False), ("rb-501", True), ("rc-502", True)],
+)
+def test_whose_tissue_is_no_exponential_on_legs_of_others(leg, asked, tmp_path) -> None:
+    make = pytest.importorskip("ankle_legs.make")
+    family, seed = leg.rsplit("-", 1)
+    make.make(family, int(seed), tmp_path, trials=[2])
+    inputs = FitSettings.of().inputs(parted([read(tmp_path / leg / "trial-2.csv")]))
+    given = make_problem(inputs, "auto")
+    assert (with_rest(given).options.tissue is not None) is asked

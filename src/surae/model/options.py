@@ -28,6 +28,9 @@ class ModelOptions(Request):
     Attributes
     ----------
     {settings}
+    tissue : TissueCurve, optional
+        What the ankle's tissue has beside the exponentials of its muscles; a fit with ``auto``
+        puts it there where its recordings' rest asks for it.
     """
 
     geometry: str | GeometryTable = setting(
@@ -99,8 +102,6 @@ class ModelOptions(Request):
         file=True,
         help="The joint: the ankle, or another by its file.",
     )
-    #: What the ankle's tissue has beside the exponentials of its muscles; a fit with ``auto`` puts
-    #: it there where its recordings' rest asks for it.
     tissue: TissueCurve | None = None
 
     def __post_init__(self) -> None:

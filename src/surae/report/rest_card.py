@@ -71,8 +71,9 @@ def rest_card(
         _("Torque of the relaxed ankle over its angle"),
         _(
             "What was measured at rest, without the weight of foot and plate and the sensor’s "
-            "zero, and the fully relaxed curve with its 95 % band. A moving leg lies above it on "
-            "the way to dorsiflexion and nearer to it on the way back: its tissue relaxes."
+            "zero, and the fully relaxed curve with its 95 % band; the darker one is of its shape, "
+            "whatever the zero of the torque. A moving leg lies above it on the way to "
+            "dorsiflexion and nearer to it on the way back: its tissue relaxes."
         ),
         "here",
         100,

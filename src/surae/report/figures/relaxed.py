@@ -123,7 +123,7 @@ def draw_relaxed(
         alpha=0.35,
         linewidth=0,
         zorder=2,
-        label=_("its shape, 95 %, whatever the torque’s zero"),
+        label=_("its shape, 95 %"),
     )
     axes.plot(degrees, mean, "-", color=BLUE, linewidth=1.8, zorder=3, label=_("relaxed"))
     for number, (at, value, (low, high)) in enumerate(_stated(curve, measures)):
