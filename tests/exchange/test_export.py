@@ -167,3 +167,11 @@ def test_opensim_has_this_torque(seed, model, tmp_path):
             simulated.realizeAcceleration(state)
             found.append(-ankle.getAccelerationValue(state) * inertia)
     np.testing.assert_allclose(np.reshape(found, (len(ACTIVE), -1)), torque(joint), atol=0.01)
+
+
+@pytest.mark.parametrize(("seed", "model"), [(1, "muscle"), (2, "muscle"), (3, "muscle-tendon")])
+def test_a_fibre_stays_as_long_as_opensim_knows_fibres(seed, model) -> None:
+    """One of no length turned its force round there, and a tendon found no balance."""
+    for of in joint_of(leg_of(seed, model), MOVED, springs=False).muscles:
+        fibre = (of.path.length(ANGLES) - of.muscle.slack) / of.muscle.optimal
+        assert fibre.min() > 0.2
