@@ -189,3 +189,12 @@ def test_a_curve_of_relaxed_tissue_is_in_the_file():
     assert line.missing == ("bends of the relaxed curve",)
     assert line.tissue.bends == ()
     assert line.tissue.stiffness > 0.0
+
+
+
+@pytest.mark.parametrize(("seed", "model"), [(1, "muscle"), (2, "muscle"), (3, "muscle-tendon")])
+def test_a_fibre_stays_as_long_as_opensim_knows_fibres(seed, model) -> None:
+    """One of no length turned its force round there, and a tendon found no balance."""
+    for of in joint_of(leg_of(seed, model), MOVED, springs=False).muscles:
+        fibre = (of.path.length(ANGLES) - of.muscle.slack) / of.muscle.optimal
+        assert fibre.min() > 0.2

@@ -33,6 +33,8 @@ _FL = (
 _FV = (-0.3211346127989808, -8.149, -0.374, 0.8825327733249912)
 _FV_SLOPE = _FV[0] * _FV[1] / (1.0 + _FV[2] ** 2) ** 0.5
 _TENDON = 0.2
+#: Shortest and longest fibre of OpenSim, with room [optimal lengths].
+_FIBRE = (0.25, 1.75)
 #: Halvings in which force balance is found; 40 leave 1e-12 of the largest force.
 _HALVINGS = 40
 M = TypeVar("M", "DeGrooteMuscle", "MujocoMuscle")
@@ -230,11 +232,19 @@ class DeGrooteMuscle:
             strain = float(at[3] * held.stretch / slack)
             return cls(peak, held.fibre, slack, strain, speed, held.lag, float(at[2]))
 
-        # muscle and tendon fill the path
-        low = [-1.0, 0.5, 1.0, 0.1]
-        high = [_SHIFT, 2.0, max(_WIDTH, 2.0 * along), 10.0]
+        # muscle and tendon fill the path, and the fibre stays as long as OpenSim knows fibres
+        room = _FIBRE[1], _FIBRE[0] + held.stretch / held.fibre
+        shortest, longest = (
+            float(end - (by - 1.0) * held.fibre - held.optimum) / held.optimal
+            for end, by in zip((held.length.max(), held.length.min()), room, strict=True)
+        )
+        least = max(min(shortest, longest), -1.0)
+        most = max(min(longest, _SHIFT), least + _AT_LIMIT)
+        low = [least, 0.5, 1.0, 0.1]
+        high = [most, 2.0, max(_WIDTH, 2.0 * along), 10.0]
         widths = (min(max(by * along, 1.0), high[2]) for by in _WIDTHS)
-        return held.nearest(of, [(0.0, 1.0, width, 1.0) for width in widths], low, high)
+        start = min(max(0.0, least + 0.01 * (most - least)), most - 0.01 * (most - least))
+        return held.nearest(of, [(start, 1.0, width, 1.0) for width in widths], low, high)
 
     def force(self, length: FloatArray, speed: FloatArray, activation: FloatArray) -> FloatArray:
         """Force [N] where the path is so long [m] and lengthens so fast [m/s].
