@@ -19,6 +19,12 @@ MEASURES = (
 )
 #: Part of a direction's square from which on it counts that nothing is known of it.
 _MISSED = 1e-6
+#: How parameters begin that two visits of a leg share, whatever changed of its tissue or strength:
+#: paths, curves, tendons' toes, delay, reflex, joint, cross-bridges, and how force follows EMG.
+_SHARED = (
+    *("arm_", "path_", "length_", "fl_", "fv_", "pt_", "emd", "reflex_", "joint_", "bridge_"),
+    *("release", "emg_power", "emg_shape"),
+)
 #: Standard errors of a difference that are shown in four of five cases, at a level of 5 %.
 SHOWS = 1.96 + 0.84
 
@@ -61,8 +67,18 @@ def aimed_errors(
             for matrix, slopes, values in zip(precision, wanted.slopes, legs.estimated, strict=True)
         ]
     )
-    if wanted.anew is not None:
-        variance = variance * (1.0 + wanted.is_change) + wanted.anew**2
+    if wanted.anew is not None and wanted.is_change.any():
+        # what both visits share is wrong alike and cancels: as if it were known
+        own = [i for i, name in enumerate(known_of.names) if not name.startswith(_SHARED)]
+        apart = np.array(
+            [
+                2.0 * _along(matrix[np.ix_(own, own)], slopes[:, own], values[own])
+                for matrix, slopes, values in zip(
+                    precision, wanted.slopes, legs.estimated, strict=True
+                )
+            ]
+        )
+        variance = np.where(wanted.is_change > 0.0, apart + wanted.anew**2, variance)
     rms = np.sqrt(variance.mean(axis=0))
     return {
         name: float(value) if np.isfinite(value) else None
