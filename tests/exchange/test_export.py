@@ -191,7 +191,6 @@ def test_a_curve_of_relaxed_tissue_is_in_the_file():
     assert line.tissue.stiffness > 0.0
 
 
-
 @pytest.mark.parametrize(("seed", "model"), [(1, "muscle"), (2, "muscle"), (3, "muscle-tendon")])
 def test_a_fibre_stays_as_long_as_opensim_knows_fibres(seed, model) -> None:
     """One of no length turned its force round there, and a tendon found no balance."""

@@ -4,27 +4,35 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, TypeVar
 
+import numpy as np
+
 from surae.api.fitted import Fit
 from surae.api.fitting import load
 from surae.base.errors import InputError
 from surae.base.files import PathLike
 from surae.base.formatting import check_known
+from surae.base.frozen import FrozenDict
 from surae.base.names import EFFORTS, TELLING
 from surae.base.progress import Progress, SearchProgress
 from surae.base.requests import DesignSettings, ExpectSettings, LegSettings
 from surae.base.setting import Setting, checked, renamed, settings_of, takes
 from surae.model import ModelOptions
+from surae.model.joint import ANKLE
 from surae.model.laboratory import AUTO
 from surae.nerve.expected import expects, series
 from surae.nerve.movements import telling
+<<<<<<< HEAD
 from surae.planning.at_rest import expected_at_rest
+=======
+from surae.planning.aimed import detectable
+>>>>>>> h69
 from surae.planning.design import Asked, Design, Judges, make_design
-from surae.planning.expectation import NOISE, expected
+from surae.planning.expectation import NOISE, ExpectedMeasure, expected
 from surae.planning.information import filmed
 from surae.planning.legs import Legs, fit_legs, noise_of, population_legs
 from surae.planning.next import NextTrial, fit_precision, measure_next_of
 from surae.planning.ready import ready_protocols, start_for
-from surae.planning.search import SearchBudget
+from surae.planning.search import SearchBudget, make_aim
 from surae.planning.session import SessionPlan, best_session
 from surae.protocol import (
     DEVICES,
@@ -144,6 +152,7 @@ def plan_session(
     angle_range: tuple[float, float] | None = None,
     effort: str = EFFORTS[0],
     noise: float | None = None,
+    aim: str = "",
 ) -> SessionPlan:
     """Plan steps and trials that make most of a leg known in so many minutes.
 
@@ -165,6 +174,9 @@ def plan_session(
         What the subject can do.
     noise : float, optional
         Of the torque [Nm], sample by sample at 256 Hz; by default 0.5.
+    aim : str
+        Names of parameters and measures with commas between, or ``"change in NAME"``: what is to
+        be known best; by default as many parameters as can be.
 
     Returns
     -------
@@ -191,7 +203,9 @@ def plan_session(
         for kind, name in _TRIALS.items()
         if effort == EFFORTS[0] or kind == "passive"
     }
-    return best_session(trials, legs, level, minutes)
+    ends = np.degrees(next(iter(trials.values())).angle)
+    moved = float(np.quantile(ends, 0.01)), float(np.quantile(ends, 0.99))
+    return best_session(trials, legs, level, minutes, make_aim(aim, legs, moved) if aim else None)
 
 
 @renamed(range="angle_range")
@@ -348,8 +362,26 @@ def expect(
     who, level = requested_legs(settings, fit, settings.legs, options, trajectory.settings.rate_hz)
     legs = filmed(who, muscles_of(settings.film))
     precision = {} if fit is None else fit_precision(fit, legs)
+<<<<<<< HEAD
     made = expected(trajectory, legs, level, **precision)
     return replace(made, at_rest=expected_at_rest(trajectory, legs, level))
+=======
+    told = expected(trajectory, legs, level, **precision)
+    return replace(told, measures=_measures_expected(trajectory, legs, level, precision))
+
+
+def _measures_expected(
+    trajectory: Trajectory, legs: Legs, level: float, precision: Mapping[str, Any]
+) -> FrozenDict[str, ExpectedMeasure]:
+    """What is expected of measures; nothing of a model, or another joint, that has none of them."""
+    if legs.options.anatomy != ANKLE:
+        return FrozenDict()
+    try:
+        told = detectable(trajectory, legs, level, precision.get("known"))
+    except InputError:
+        return FrozenDict()
+    return FrozenDict({name: ExpectedMeasure(*each) for name, each in told.items()})
+>>>>>>> h69
 
 
 def muscles_of(film: str | Sequence[str]) -> tuple[str, ...]:

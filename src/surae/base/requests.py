@@ -89,9 +89,10 @@ class DesignSettings(LegSettings):
         "worst",
         '``"worst"``: the largest relative standard error; ``"mean"``: the mean of their '
         "logarithms; or names of parameters and measures with commas between, e.g. "
-        '``"passive_stiffness@10deg"``.',
+        '``"passive_stiffness@10deg"``, ``"end_stiffness"`` or ``"change in torque_rise"``: the '
+        "difference of two such visits, the foot mounted anew.",
         metavar="worst|mean|NAME,…",
-        help="What is to be known: parameters and measures by name.",
+        help="What is to be known: parameters and measures by name, or a 'change in NAME'.",
     )
     effort: str = setting(
         EFFORTS[0],

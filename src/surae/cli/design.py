@@ -111,7 +111,7 @@ def _plan(
 ) -> None:
     """Plan a session."""
     file_kind("--output", output, ".json")
-    taken = {"population", "angle_range", "effort", "noise"}
+    taken = {"population", "angle_range", "effort", "noise", "aim"}
     if other is not None or (unused := [name for name in options if name not in taken]):
         name = "--fit, --after, --target and --figure" if other else f"--{unused[0]}"
         raise InputError(f"{name.replace('_', '-')} has no effect with --session; leave it out")

@@ -16,21 +16,22 @@ from surae.base.records import Plain
 from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
 from surae.base.words import Message
+<<<<<<< HEAD
 from surae.planning.at_rest import expected_at_rest
+=======
+from surae.planning.aimed import aimed_errors
+>>>>>>> h69
 from surae.planning.expectation import Expectation, expected
 from surae.planning.genes import Genes
-from surae.planning.information import SINGULAR, information, prior_precision
 from surae.planning.legs import Legs
 from surae.planning.plan import Limits, Plan, eased, highest_hz, limits_of
 from surae.planning.ready import Ready
-from surae.planning.search import MEAN, SEARCH_RATE, WORST, SearchBudget, make_aim, search
+from surae.planning.search import SEARCH_RATE, SearchBudget, make_aim, search
 from surae.planning.torque import within_torque
 from surae.protocol import Device, Trajectory, write_protocol
 
 #: Part of the device's torque that the search keeps to, for legs stronger than those it sees.
 _RESERVE = 0.93
-#: Part of a direction's square from which on it counts that nothing is known of it.
-_MISSED = 1e-6
 
 
 @filed("trajectory", "device", "aimed", "curve", "seconds", "stopped")
@@ -117,7 +118,7 @@ def make_design(
     result = search(
         genes,
         judges.legs,
-        make_aim(asked.aim, judges.legs),
+        make_aim(asked.aim, judges.legs, tuple(np.degrees(asked.angle_range))),
         noise=judges.noise * (SEARCH_RATE / asked.rate_hz) ** 0.5,
         torque=_RESERVE * torque,
         budget=budget,
@@ -135,51 +136,18 @@ def make_design(
         limits,
         trajectory,
         device,
+<<<<<<< HEAD
         expectation=replace(
             expected(trajectory, unseen, judges.noise, **judges.precision),
             at_rest=expected_at_rest(trajectory, unseen, judges.noise),
         ),
         aimed=FrozenDict(_aimed(trajectory, unseen, judges.noise, asked.aim, judges.known)),
+=======
+        expectation=expected(trajectory, unseen, judges.noise, **judges.precision),
+        aimed=FrozenDict(aimed_errors(trajectory, unseen, judges.noise, asked.aim, judges.known)),
+>>>>>>> h69
         notes=(*reached, *given_up[:-1], *notes),
         curve=result.curve,
         seconds=time.perf_counter() - begin,
         stopped=result.stopped,
     )
-
-
-def _aimed(
-    trajectory: Trajectory, legs: Legs, noise: float, aim: str, known: FloatArray | None
-) -> dict[str, float | None]:
-    """What is expected of parameters and measures that were aimed at by name."""
-    if aim in (WORST, MEAN):
-        return {}
-    wanted = make_aim(aim, legs)
-    known_of = information(trajectory, legs, noise)
-    precision = known_of.matrices + (
-        prior_precision(known_of.names, legs) if known is None else known
-    )
-    variance = np.array(
-        [
-            _along(matrix, slopes, values)
-            for matrix, slopes, values in zip(precision, wanted.slopes, legs.estimated, strict=True)
-        ]
-    )
-    rms = np.sqrt(variance.mean(axis=0))
-    return {
-        name: float(value) if np.isfinite(value) else None
-        for name, value in zip(wanted.wanted, rms, strict=True)
-    }
-
-
-def _along(precision: FloatArray, slopes: FloatArray, values: FloatArray) -> FloatArray:
-    """Variance along each row of `slopes`, shape (n, p); infinite where that is not determined."""
-    if not np.isfinite(precision).all():
-        return np.full(len(slopes), np.inf)
-    scale = np.sqrt(np.maximum(np.diagonal(precision), 0.0))
-    scale = np.where(scale > 0.0, scale, 1.0 / np.maximum(np.abs(values), 1e-12))
-    level, axes = np.linalg.eigh(precision / np.outer(scale, scale))
-    parts = ((slopes / scale) @ axes) ** 2
-    nothing = level <= SINGULAR * level[-1]
-    variance = (parts[:, ~nothing] / level[~nothing]).sum(axis=1)
-    missed = parts[:, nothing].sum(axis=1) > _MISSED * parts.sum(axis=1)
-    return np.where(missed, np.inf, variance)

@@ -59,6 +59,16 @@ class Expected:
     now: float | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class ExpectedMeasure:
+    """What is expected of one measure of the relaxed ankle, as parts of its value."""
+
+    #: Standard error, root mean square over the legs; None where some leg has none.
+    relative_sem: float | None
+    #: Change that two such visits would show in four of five cases, the foot mounted anew.
+    would_show: float | None
+
+
 @filed(
     "relative",
     "correlation",
@@ -93,8 +103,13 @@ class Expectation(Tabular, Comparable, Plain):
     torque: tuple[float, float]
     load: Load | None  #: What the protocol asks of a device; None of another joint than the ankle.
     of_fit: bool = False  #: Whether the legs are what one fit leaves possible.
+<<<<<<< HEAD
     #: What its rest will tell, by measure; empty where that is nothing, or was not asked.
     at_rest: Mapping[str, ExpectedAtRest] = field(default_factory=FrozenDict)
+=======
+    #: Of measures by name; empty where the model has none of them.
+    measures: Mapping[str, ExpectedMeasure] = field(default_factory=FrozenDict)
+>>>>>>> h69
 
     @property
     def asks(self) -> str:
@@ -205,7 +220,15 @@ class Expectation(Tabular, Comparable, Plain):
             below=(
                 f"largest standard error: {part(self.worst)} ({self.weakest}); geometric mean: "
                 f"{part(self.geometric_mean)}; identified: {self.identified} of {len(rows)}",
+<<<<<<< HEAD
                 *([self.rest_told] if self.at_rest else []),
+=======
+                *(
+                    f"{name}: standard error {part(m.relative_sem)}; two such visits would show a "
+                    f"change of {part(m.would_show)}"
+                    for name, m in self.measures.items()
+                ),
+>>>>>>> h69
                 *filter(None, [self.caution]),
                 self.asks,
             ),

@@ -6,6 +6,7 @@ with a diagonal matrix (Ros and Hansen 2008) crosses them. Torque beyond the dev
 what is left of it is taken out afterwards.
 """
 
+import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,6 +19,7 @@ from surae.base.progress import SearchProgress
 from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
 from surae.inference.interrupt import checkpoint, postponed_interrupt
+from surae.inference.relaxed.pair import REMOUNTED
 from surae.measures import measures_of_values
 from surae.planning.genes import Genes
 from surae.planning.information import information
@@ -30,6 +32,14 @@ MEAN = "mean"
 _NORM = 12.0
 #: How much the mean of the logarithms counts beside the largest error.
 _BESIDE = 0.3
+#: How a change is asked for, of a parameter or measure.
+CHANGE = "change in "
+#: The last of a range, over which its end is as stiff as its mean, and half of the turn by which
+#: slopes over the angle are taken [deg].
+_LAST = 10.0
+_TURN = 0.5
+#: How parameters begin that are of the leg's paths and curves.
+_OF_LEG = ("arm_", "path_", "length_", "fl_", "fv_")
 #: Relative step of the differences that a measure's derivatives are made of.
 _STEP = 1e-5
 
@@ -43,11 +53,21 @@ class Aim(Comparable):
     #: Derivatives of the logarithm of each by what a fit would estimate, shape (n_legs, n_wanted,
     #: p).
     slopes: FloatArray
+    #: Relative standard deviation that another visit adds, shape (n_legs, n_wanted); what is
+    #: wanted is a change then, and errors are those of a difference. Zeros where it is a value.
+    anew: FloatArray | None = None
 
     def errors(self, covariance: FloatArray) -> FloatArray:
         """Relative standard errors, shape (n_legs, n_wanted), of covariances (n_legs, p, p)."""
         variance = np.einsum("lwp,lpq,lwq->lw", self.slopes, covariance, self.slopes)
+        if self.anew is not None:
+            variance = variance * (1.0 + self.is_change) + self.anew**2
         return np.asarray(np.sqrt(np.maximum(variance, 1e-18)))
+
+    @property
+    def is_change(self) -> FloatArray:
+        """1 where a change is wanted, 0 where a value is, shape (n_wanted,)."""
+        return np.array([float(name.startswith(CHANGE)) for name in self.wanted])
 
     def cost(self, covariance: FloatArray) -> float:
         """What a search makes small: about the logarithm of an error, averaged over the legs."""
@@ -60,51 +80,121 @@ class Aim(Comparable):
         return float(norms.mean()) + (_BESIDE * mean if self.name == WORST else 0.0)
 
 
-def make_aim(name: str, legs: Legs) -> Aim:
-    """The aim ``worst``, ``mean``, or of names, e.g. ``"k_tib,passive_stiffness@10deg"``."""
-    wanted = (
+def make_aim(name: str, legs: Legs, moved: tuple[float, float] | None = None) -> Aim:
+    """The aim ``worst``, ``mean``, or of names, e.g. ``"k_tib,change in end_stiffness"``.
+
+    Parameters
+    ----------
+    name : str
+        With commas between; ``"change in NAME"`` is the difference of two such visits, the foot
+        mounted anew between them.
+    legs : Legs
+        Whose.
+    moved : (float, float), optional
+        The range that is moved [deg], which what is of its end asks for.
+
+    Returns
+    -------
+    Aim
+        Derivatives of logarithms.
+
+    Raises
+    ------
+    InputError
+        There is no such parameter or measure.
+    """
+    asked = (
         legs.leg_parameters if name in (WORST, MEAN) else tuple(n.strip() for n in name.split(","))
     )
+    wanted = tuple(n.removeprefix(CHANGE) for n in asked)
     columns = [legs.spec.names.index(n) for n in legs.free]
     slopes = np.zeros((len(legs.values), len(wanted), len(legs.free)))
-    measured = [n for n in wanted if n not in legs.leg_parameters]
+    anew = np.zeros((len(legs.values), len(wanted)))
+    measured = [n for n in dict.fromkeys(wanted) if n not in legs.leg_parameters]
     for k, values in enumerate(legs.values):
         for i, which in enumerate(wanted):
             if which in legs.leg_parameters:
                 at = legs.free.index(which)
                 slopes[k, i, at] = 1.0 / values[columns[at]]
         if measured:
-            rows = _measure_slopes(measured, legs, values)
-            for which, row in zip(measured, rows, strict=True):
-                slopes[k, wanted.index(which)] = row
-    return Aim(name, wanted, read_only(slopes))
+            rows, turned = _measure_slopes(measured, legs, values, moved)
+            for i, which in enumerate(wanted):
+                if which in measured:
+                    slopes[k, i] = rows[measured.index(which)]
+                    anew[k, i] = math.sqrt(2.0) * REMOUNTED * turned[measured.index(which)]
+    anew *= [name.startswith(CHANGE) for name in asked]
+    return Aim(name, asked, read_only(slopes), read_only(anew))
 
 
-def _measure_slopes(names: Sequence[str], legs: Legs, values: FloatArray) -> FloatArray:
-    """Derivatives of the logarithms of measures, shape (n, p), by differences."""
-    angles = tuple(sorted({_angle(name) for name in names if name.endswith("deg")})) or (0.0,)
-    own = (*legs.leg_parameters, *(n for n in legs.free if n in ("pt_tri", "pt_tib")))
+def _measure_slopes(
+    names: Sequence[str], legs: Legs, values: FloatArray, moved: tuple[float, float] | None
+) -> tuple[FloatArray, FloatArray]:
+    """Derivatives of the logarithms of measures, shape (n, p), and by the angle [1/deg], (n,)."""
+    # arms and paths that a fit estimates along act on a measure as they do on its parameters, and
+    # mostly cancel: without them a torque would seem as unsure as the arms are
+    also = [n for n in legs.free if n.startswith(_OF_LEG) or n in ("pt_tri", "pt_tib")]
+    own = (*legs.leg_parameters, *also)
     base = {n: float(values[legs.spec.names.index(n)]) for n in own}
-    model = legs.spec.name
 
-    def measures_at(parameters: dict[str, float]) -> FloatArray:
-        measures = measures_of_values(parameters, model, legs.options, angles, names)
-        if missing := [n for n in names if n not in measures]:
-            every = measures_of_values(parameters, model, legs.options, angles)
-            known = ", ".join((*legs.leg_parameters, *every))
-            raise InputError(f"--aim {missing[0]}: no such parameter or measure; known: {known}")
-        return np.array([measures[n] for n in names])
+    def measures_at(parameters: dict[str, float], turned: float = 0.0) -> FloatArray:
+        return _measured(names, parameters, legs, moved, turned)
 
     here = measures_at(base)
+    turned = np.abs(measures_at(base, _TURN) - measures_at(base, -_TURN)) / (2.0 * _TURN)
     slopes = np.zeros((len(names), len(legs.free)))
     for name in own:
-        step = _STEP * abs(base[name])
+        step = _STEP * max(abs(base[name]), legs.priors[name].sd if name in legs.priors else 0.0)
         above = base | {name: base[name] + step}
         below = base | {name: base[name] - step}
         slopes[:, legs.free.index(name)] = (
             (measures_at(above) - measures_at(below)) / (2.0 * step) / here
         )
-    return slopes
+    return slopes, turned / np.abs(here)
+
+
+def _measured(
+    names: Sequence[str],
+    parameters: dict[str, float],
+    legs: Legs,
+    moved: tuple[float, float] | None,
+    turned: float,
+) -> FloatArray:
+    """Measures of a leg by their names, the foot `turned` on its plate [deg], shape (n,)."""
+    ends = {} if moved is None else _of_range(moved)
+    stated = {
+        n: f"{n.partition('@')[0]}@{_angle(n) + turned:g}deg" for n in names if n.endswith("deg")
+    }
+    parts = {
+        n: [(f"passive_torque@{at + turned:.6g}deg", by) for at, by in ends[n]]
+        for n in names
+        if n in ends
+    }
+    asked = [*stated.values(), *(one for own in parts.values() for one, _ in own)]
+    angles = tuple(sorted({_angle(name) for name in asked})) or (0.0,)
+    plain = [n for n in names if n not in stated and n not in parts]
+    told = measures_of_values(parameters, legs.spec.name, legs.options, angles, [*asked, *plain])
+    made = []
+    for name in names:
+        if name in parts and all(one in told for one, _ in parts[name]):
+            made.append(sum(by * told[one] for one, by in parts[name]))
+        elif stated.get(name, name) in told:
+            made.append(told[stated.get(name, name)])
+        else:
+            every = measures_of_values(parameters, legs.spec.name, legs.options, angles)
+            known = ", ".join(dict.fromkeys((*legs.leg_parameters, *ends, *every)))
+            raise InputError(f"--aim {name}: no such parameter or measure; known: {known}")
+    return np.array(made)
+
+
+def _of_range(moved: tuple[float, float]) -> dict[str, tuple[tuple[float, float], ...]]:
+    """What is of a range [deg], as relaxed torques at angles and by what each counts."""
+    low, high = moved
+    last = max(low, high - _LAST)
+    return {
+        "end_torque": ((high, 1.0),),
+        "torque_rise": ((high, 1.0), (low, -1.0)),
+        "end_stiffness": ((high, 1.0 / (high - last)), (last, -1.0 / (high - last))),
+    }
 
 
 def _angle(name: str) -> float:

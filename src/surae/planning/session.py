@@ -6,13 +6,14 @@ it makes known, as `expect` judges a protocol, with the same nuisances.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from itertools import product
 
 import numpy as np
 
 from surae.base.errors import InputError
 from surae.base.file_form import filed
+from surae.base.formatting import part
 from surae.base.frozen import Comparable, FrozenDict
 from surae.base.normal import NORMAL
 from surae.base.records import Plain
@@ -30,6 +31,7 @@ from surae.model.registry import get_model
 from surae.model.statements import StatedArm, StatedAxis
 from surae.planning.information import information, shared
 from surae.planning.legs import Legs
+from surae.planning.search import Aim
 from surae.protocol import Trajectory
 from surae.recording.described import ALONE, EMPTY
 
@@ -78,6 +80,8 @@ class SessionPlan(Tabular, Comparable, Plain):
     steps: tuple[SessionStep, ...]  #: In the order in which each adds most in its time.
     #: By parameter, the part of the legs in which it would be identified.
     parameters: Mapping[str, float]
+    #: Relative standard error of what was aimed at by name, root mean square over the legs.
+    aimed: Mapping[str, float] = field(default_factory=FrozenDict)
 
     @property
     def known(self) -> float:
@@ -102,6 +106,9 @@ class SessionPlan(Tabular, Comparable, Plain):
             )
         sure = [n for n, share in self.parameters.items() if share > 0.5]
         below = f"identified in most legs: {', '.join(sure) or 'none'}"
+        if self.aimed:
+            aims = ", ".join(f"{name} {part(error)}" for name, error in self.aimed.items())
+            below = f"standard error of what was aimed at: {aims}; {below}"
         return TextTable(
             ("step", "what to do", "minutes so far", "known so far", "without it"),
             tuple(rows),
@@ -111,9 +118,13 @@ class SessionPlan(Tabular, Comparable, Plain):
 
 
 def best_session(
-    trials: Mapping[str, Trajectory], legs: Legs, noise: float, minutes: float
+    trials: Mapping[str, Trajectory],
+    legs: Legs,
+    noise: float,
+    minutes: float,
+    aim: Aim | None = None,
 ) -> SessionPlan:
-    """The best session of these kinds of trials, by name, within `minutes`."""
+    """The best session of these kinds of trials, by name, within `minutes`: for an aim, or all."""
     with one_blas_thread():
         told = [shared(information(each, legs, noise), legs) for each in trials.values()]
         kinds = [
@@ -122,12 +133,16 @@ def best_session(
         ]
         judge = _Judge(legs, told[0].names, [each.matrices for each in told])
         every = (*_STEPS, *kinds)
+        aimed_at = None if aim is None else np.array([legs.free.index(n) for n in told[0].names])
         best: tuple[float, float, tuple[int, ...]] | None = None
         for counts in product(*[range(2)] * len(_STEPS), *[range(_MOST)] * len(kinds)):
             spent = sum(n * step.minutes for n, step in zip(counts, every, strict=True))
             if spent > minutes or not any(counts[len(_STEPS) :]):
                 continue
-            rank = (judge(counts).sum(), -spent, counts)
+            worth = float(judge(counts).sum())
+            if aim is not None:
+                worth = -float(np.log(_errors(judge, counts, aim, aimed_at)).mean())
+            rank = (worth, -spent, counts)
             best = rank if best is None or rank > best else best
         if best is None:
             least = min(kind.minutes for kind in kinds)
@@ -135,7 +150,18 @@ def best_session(
         chosen = best[2]
         ordered = tuple(_ordered(judge, chosen, every))
         shares = FrozenDict(zip(judge.names, judge(chosen).tolist(), strict=True))
-    return SessionPlan(legs.name, -best[1], ordered, shares)
+        aimed = {}
+        if aim is not None:
+            errors = np.sqrt(np.mean(_errors(judge, chosen, aim, aimed_at) ** 2, axis=0))
+            aimed = dict(zip(aim.wanted, errors.tolist(), strict=True))
+    return SessionPlan(legs.name, -best[1], ordered, shares, FrozenDict(aimed))
+
+
+def _errors(
+    judge: "_Judge", counts: tuple[int, ...], aim: Aim, places: FloatArray | None
+) -> FloatArray:
+    """Relative standard errors of what is aimed at, by leg, shape (n_legs, n_wanted)."""
+    return replace(aim, slopes=aim.slopes[:, :, places]).errors(judge.covariance(counts))
 
 
 def _ordered(
@@ -185,10 +211,16 @@ class _Judge:
         return self._known[counts]
 
     def _judged(self, counts: tuple[int, ...]) -> FloatArray:
+        if not any(counts[len(_STEPS) :]):
+            return np.zeros(len(self.names))
+        variance = np.diagonal(self.covariance(counts), axis1=1, axis2=2)
+        relative = np.sqrt(np.maximum(variance[:, self._at], 0.0)) / self._values
+        return np.asarray(np.mean(NORMAL * np.hypot(relative, self._stays) <= IDENTIFIED, axis=0))
+
+    def covariance(self, counts: tuple[int, ...]) -> FloatArray:
+        """Of all that a fit would estimate, by leg, shape (n_legs, p, p)."""
         empty, axis, geometry, alone = counts[: len(_STEPS)]
         trials = counts[len(_STEPS) :]
-        if not any(trials):
-            return np.zeros(len(self.names))
         tri, tib = (StatedArm(48.0, 1.5), StatedArm(39.3, 1.5)) if geometry else (None, None)
         stated = priors_of(
             Knowledge(
@@ -209,6 +241,4 @@ class _Judge:
         scale = 1.0 / np.sqrt(np.maximum(np.diagonal(total, axis1=1, axis2=2), 1e-300))
         scaled = total * scale[:, :, None] * scale[:, None, :]
         inverse = np.linalg.pinv(scaled, rcond=1e-13, hermitian=True)
-        variance = np.diagonal(inverse, axis1=1, axis2=2) * scale**2
-        relative = np.sqrt(np.maximum(variance[:, self._at], 0.0)) / self._values
-        return np.asarray(np.mean(NORMAL * np.hypot(relative, self._stays) <= IDENTIFIED, axis=0))
+        return np.asarray(inverse * scale[:, :, None] * scale[:, None, :])

@@ -33,7 +33,23 @@ export function forTrial(one, mapping) {
 
 const SIDES = [["left", /(^|[^a-z])(left|links|linkes|gauche)([^a-z]|$)/i], ["right", /(^|[^a-z])(right|rechts|rechtes|droite?)([^a-z]|$)/i]];
 const DAY = /(?<!\d)(20\d\d)[-_.]?(0[1-9]|1[0-2])[-_.]?(0[1-9]|[12]\d|3[01])(?!\d)/;
+// "4 maart 2026", "4. März 2026", "4 mars 2026", "March 4, 2026": by how months begin in each language
+const MONTHS = ["jan", "f[eé][bv]", "m(?:a(?:art|r)|rt|är|rz)", "a[pv]r", "m(?:ei|ai|ay)", "jui?n", "jui?l", "ao[uû]|aug", "sep", "o[ck]t", "nov", "d[eé][cz]"].map((begin) => new RegExp(`^(?:${begin})`, "i"));
+const DAY_MONTH = /(?<!\d)(0?[1-9]|[12]\d|3[01])(?:st|nd|rd|th|er)?[\s_.-]*(?:of\s+)?(\p{L}{3,9})[\s_.,-]*(20\d\d)(?!\d)/iu;
+const MONTH_DAY = /(\p{L}{3,9})[\s_.-]*(0?[1-9]|[12]\d|3[01])(?:st|nd|rd|th)?[\s_.,-]+(20\d\d)(?!\d)/iu;
 const CODE = /(?<![A-Za-z0-9])(?:S|P|sub-?|pat)-?\d{1,4}(?![A-Za-z0-9])/i;
+
+/** The day in a name, as 2026-03-04: in figures, or with its month in a language of the page. */
+export function dayIn(name) {
+  const figures = DAY.exec(name);
+  if (figures) return figures.slice(1, 4).join("-");
+  for (const [pattern, day, month] of [[DAY_MONTH, 1, 2], [MONTH_DAY, 2, 1]]) {
+    const told = pattern.exec(name);
+    const at = told ? MONTHS.findIndex((begin) => begin.test(told[month])) : -1;
+    if (at >= 0) return [told[3], String(at + 1).padStart(2, "0"), told[day].padStart(2, "0")].join("-");
+  }
+  return undefined;
+}
 
 /** Side, day of the visit and code of the subject, as the names of a leg's files, with their folder, say alike. */
 export function legOf(names) {
@@ -44,7 +60,7 @@ export function legOf(names) {
   const sides = (name) => SIDES.filter(([, words]) => words.test(name.replace(/_/g, " "))).map(([side]) => side);
   return {
     side: alike((name) => (sides(name).length === 1 ? sides(name)[0] : null)),
-    visit: alike((name) => DAY.exec(name)?.slice(1, 4).join("-")),
+    visit: alike(dayIn),
     code: alike((name) => CODE.exec(name.replace(/_/g, " "))?.[0]),
   };
 }
