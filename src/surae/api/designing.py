@@ -21,11 +21,8 @@ from surae.model.joint import ANKLE
 from surae.model.laboratory import AUTO
 from surae.nerve.expected import expects, series
 from surae.nerve.movements import telling
-<<<<<<< HEAD
-from surae.planning.at_rest import expected_at_rest
-=======
 from surae.planning.aimed import detectable
->>>>>>> h69
+from surae.planning.at_rest import expected_at_rest
 from surae.planning.design import Asked, Design, Judges, make_design
 from surae.planning.expectation import NOISE, ExpectedMeasure, expected
 from surae.planning.information import filmed
@@ -362,12 +359,12 @@ def expect(
     who, level = requested_legs(settings, fit, settings.legs, options, trajectory.settings.rate_hz)
     legs = filmed(who, muscles_of(settings.film))
     precision = {} if fit is None else fit_precision(fit, legs)
-<<<<<<< HEAD
     made = expected(trajectory, legs, level, **precision)
-    return replace(made, at_rest=expected_at_rest(trajectory, legs, level))
-=======
-    told = expected(trajectory, legs, level, **precision)
-    return replace(told, measures=_measures_expected(trajectory, legs, level, precision))
+    return replace(
+        made,
+        at_rest=expected_at_rest(trajectory, legs, level),
+        measures=_measures_expected(trajectory, legs, level, precision),
+    )
 
 
 def _measures_expected(
@@ -381,7 +378,6 @@ def _measures_expected(
     except InputError:
         return FrozenDict()
     return FrozenDict({name: ExpectedMeasure(*each) for name, each in told.items()})
->>>>>>> h69
 
 
 def muscles_of(film: str | Sequence[str]) -> tuple[str, ...]:

@@ -16,11 +16,8 @@ from surae.base.records import Plain
 from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
 from surae.base.words import Message
-<<<<<<< HEAD
-from surae.planning.at_rest import expected_at_rest
-=======
 from surae.planning.aimed import aimed_errors
->>>>>>> h69
+from surae.planning.at_rest import expected_at_rest
 from surae.planning.expectation import Expectation, expected
 from surae.planning.genes import Genes
 from surae.planning.legs import Legs
@@ -136,16 +133,11 @@ def make_design(
         limits,
         trajectory,
         device,
-<<<<<<< HEAD
         expectation=replace(
             expected(trajectory, unseen, judges.noise, **judges.precision),
             at_rest=expected_at_rest(trajectory, unseen, judges.noise),
         ),
-        aimed=FrozenDict(_aimed(trajectory, unseen, judges.noise, asked.aim, judges.known)),
-=======
-        expectation=expected(trajectory, unseen, judges.noise, **judges.precision),
         aimed=FrozenDict(aimed_errors(trajectory, unseen, judges.noise, asked.aim, judges.known)),
->>>>>>> h69
         notes=(*reached, *given_up[:-1], *notes),
         curve=result.curve,
         seconds=time.perf_counter() - begin,

@@ -103,13 +103,10 @@ class Expectation(Tabular, Comparable, Plain):
     torque: tuple[float, float]
     load: Load | None  #: What the protocol asks of a device; None of another joint than the ankle.
     of_fit: bool = False  #: Whether the legs are what one fit leaves possible.
-<<<<<<< HEAD
     #: What its rest will tell, by measure; empty where that is nothing, or was not asked.
     at_rest: Mapping[str, ExpectedAtRest] = field(default_factory=FrozenDict)
-=======
     #: Of measures by name; empty where the model has none of them.
     measures: Mapping[str, ExpectedMeasure] = field(default_factory=FrozenDict)
->>>>>>> h69
 
     @property
     def asks(self) -> str:
@@ -220,15 +217,12 @@ class Expectation(Tabular, Comparable, Plain):
             below=(
                 f"largest standard error: {part(self.worst)} ({self.weakest}); geometric mean: "
                 f"{part(self.geometric_mean)}; identified: {self.identified} of {len(rows)}",
-<<<<<<< HEAD
                 *([self.rest_told] if self.at_rest else []),
-=======
                 *(
                     f"{name}: standard error {part(m.relative_sem)}; two such visits would show a "
                     f"change of {part(m.would_show)}"
                     for name, m in self.measures.items()
                 ),
->>>>>>> h69
                 *filter(None, [self.caution]),
                 self.asks,
             ),
