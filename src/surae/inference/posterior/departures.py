@@ -72,12 +72,13 @@ def choose(family: Family, values: Mapping[str, float], noise: Sequence[NoiseMod
     own = family.like(full, sets[0].groups)
     mode = sets[0].mode
     best = own.descend(own.like(full, mode), *point.latents_at(mode), tolerance=0.1)
-    full.observed.forget()
+    names = full.names
+    del full, point  # their rows are large
     if own.fast is None and not family.is_perfect:
         found = learnt(*_with_noise_of_drives(own, best), 1)
         own, best = unless_worse(found, (own, best), family.at_rate(RATE_HZ))
     own, best, moved = rested(own, best)
-    return Chosen(own, best, sets, full.names, moved)
+    return Chosen(own, best, sets, names, moved)
 
 
 def _with_all(

@@ -13,6 +13,7 @@ an addition that no parameter moves, so that the derivatives of all else stay ex
 
 from collections import deque
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -67,6 +68,13 @@ class SensorRows:
         if fast:
             _ = self.band, self.border, self.still_border
         self.whole = self.by_z = self.by_c = self.residual = np.zeros((0, 0))
+
+    def columns(self) -> "SensorRows":
+        """The fast columns alone, with their products, which other points share."""
+        _ = self.band
+        alone = copy(self)
+        alone.whole = alone.by_z = alone.by_c = alone.residual = np.zeros((0, 0))
+        return alone
 
     @cached_property
     def products(self) -> FloatArray:
@@ -292,7 +300,7 @@ class Observed:
                 fast, first = film.short(grown * short, begins)
             each.append(SensorRows(whole, q, fast, first, latents))
         if len(w):
-            self._noise[number] = self._noise[number] or each
+            self._noise[number] = self._noise[number] or [own.columns() for own in each]
             for own_rows, like in zip(each, self._noise[number], strict=True):
                 own_rows.noisy(like, w)
         return each

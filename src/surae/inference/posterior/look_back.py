@@ -41,9 +41,14 @@ def simplest(family: Family) -> tuple[Mapping[str, float], float]:
 
 
 def followed(reached: Reached, inputs: Sequence[ModelInputs]) -> float:
-    """Part of the variance of the torque that parameters alone follow, latents left out."""
+    """Part of the variance of the torque that parameters alone follow, latents left out.
+
+    Of whole recordings, or of what the posterior reads of them.
+    """
     post, point = reached
-    left = [post.observed.plain_residual(point.z, r, i) for i, r in enumerate(inputs)]
+    numbers = post.recordings if len(inputs) == len(post.recordings) else range(len(inputs))
+    each = zip(inputs, numbers, strict=True)
+    left = [post.observed.plain_residual(point.z, r, number) for r, number in each]
     return explained(inputs, left)
 
 
