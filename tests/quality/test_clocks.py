@@ -1,0 +1,98 @@
+"""Two clocks: a lag of the EMG that grows is found with its interval, and not where none grows."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import surae
+from surae.base.frozen import read_only
+from surae.inference.diagnosis.clocks import _solved, clock_drift, estimated_clock
+from surae.inference.diagnosis.moving import moved
+from surae.inference.diagnosis.quick import quick_fit
+from surae.quality.trial import signals_of
+from surae.recording import Recording
+
+
+@pytest.fixture(scope="module")
+def leg(tmp_path_factory) -> Recording:
+    """A leg of another generator, whose tendons and electrodes no quick fit has."""
+    make = pytest.importorskip("ankle_legs.make")
+    return surae.read(make.make("a", 7101, tmp_path_factory.mktemp("legs"))[0])
+
+
+def stamped(recording: Recording, rate: float, late: float = 0.0) -> Recording:
+    """The recording whose EMG has stamps of a clock that is fast by a rate [s/s]."""
+    channels = {
+        role: replace(c, time=read_only(c.time * (1.0 + rate) + late))
+        if role.startswith("emg_")
+        else c
+        for role, c in recording.channels.items()
+    }
+    return replace(recording, channels=channels)
+
+
+def looked_at(recording: Recording):
+    signals = signals_of(recording)
+    fit = quick_fit(recording, signals)
+    assert fit is not None
+    return recording, signals, fit
+
+
+@pytest.mark.parametrize("rate", [1.5e-3, -2e-3, 4e-3])
+def test_a_growing_lag_is_found_with_its_interval(leg, rate):
+    drift = clock_drift(*looked_at(stamped(leg, rate)))
+    assert drift is not None
+    assert drift.certain
+    low, high = drift.ci95
+    assert low <= rate <= high
+    assert high - low < 2e-3
+
+
+@pytest.mark.parametrize("late", [0.0, 0.1, -0.1])
+def test_a_lag_that_does_not_grow_is_estimated_and_no_drift(leg, late):
+    there = looked_at(stamped(leg, 0.0, late))
+    assert clock_drift(*there) is None
+    as_it_is = estimated_clock(*looked_at(leg), hinted=False)
+    found = estimated_clock(*there, hinted=False)
+    assert as_it_is is not None
+    assert found is not None
+    assert found.lag - as_it_is.lag == pytest.approx(late, abs=0.02)
+
+
+@pytest.mark.slow
+def test_electrodes_that_drift_bent_are_no_clock(tmp_path):
+    """A leg of which, without bent drifts among the nuisances, a drift of 0.9 ms/s was claimed."""
+    make = pytest.importorskip("ankle_legs.make")
+    recording = surae.read(make.make("c", 7302, tmp_path, raw=True)[0])
+    assert clock_drift(*looked_at(recording)) is None
+
+
+def test_a_measured_trial_on_one_clock_has_no_drift(shared):
+    recording = surae.read(shared / "dynamometer" / "PL_50_01.toml")
+    assert clock_drift(*looked_at(recording)) is None
+
+
+def test_signals_are_moved_by_a_lag_that_grows(leg):
+    signals = signals_of(leg)
+    there = moved(signals, 0.1, 1e-2)
+    time = signals.time
+    at = time + 0.1 + 1e-2 * (time - time.mean())
+    for muscle, own in signals.fast.items():
+        np.testing.assert_allclose(there.fast[muscle], np.interp(at, time, own))
+
+
+def test_a_coefficient_beside_autocorrelated_errors_has_an_honest_interval():
+    rng = np.random.default_rng(3)
+    n = 600
+    inside = 0
+    for _ in range(60):
+        columns = np.column_stack([rng.normal(size=n), np.ones(n), np.linspace(-1, 1, n)])
+        noise = rng.normal(size=n + 50)
+        for k in range(1, len(noise)):
+            noise[k] += 0.95 * noise[k - 1]
+        found = _solved(columns @ [0.3, 1.0, -2.0] + noise[50:], columns, 1.0)
+        assert found is not None
+        inside += abs(found.first - 0.3) <= 1.96 * found.sem
+        assert found.sem < 0.1  # least squares alone would have three times that
+    assert inside >= 54
