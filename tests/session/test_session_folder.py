@@ -2,6 +2,8 @@
 
 import json
 import shutil
+from contextlib import suppress
+from types import SimpleNamespace
 
 import pytest
 
@@ -10,6 +12,7 @@ from surae.api import session_run
 from surae.api.answers import fit_of
 from surae.base.errors import InputError
 from surae.cohorts.members import quantities_of
+from surae.trials.folder import require_own
 from undrawn import blank_figures, few_legs
 
 QUICK = {"model": "muscle", "prepared": True, "starts": 1}
@@ -142,3 +145,63 @@ def test_an_index_cannot_have_other_files_removed(walks, tmp_path):
     (out / "session.json").write_text(json.dumps(index))
     surae.session(folder).run(out, **QUICK)
     assert (tmp_path / "mine.json").exists()
+
+
+def of_fit(*names, sums=()):
+    """What is asked of the recordings of a fit."""
+    files = tuple(SimpleNamespace(name=f"{n}.csv", sha256=s) for n, s in zip(names, sums))  # noqa: B905
+    return [SimpleNamespace(name=name, files=files) for name in names]
+
+
+def indexed(folder, **trials):
+    """An index of trials, each with the checksum of its file, if it has one."""
+    rows = [
+        {"name": name, "fit": None, "files": [{"name": f"{name}.csv", "sha256": s}] if s else []}
+        for name, s in trials.items()
+    ]
+    (folder / "session.json").write_text(json.dumps({"format": "surae session", "trials": rows}))
+
+
+def test_a_fit_of_other_recordings_than_the_folders_is_refused(tmp_path):
+    """Somebody copied another subject's joint.json here, or exchanged the fits of two trials."""
+    require_own(tmp_path, of_fit("x"))  # nothing in the folder says whose it is
+    indexed(tmp_path, a="1", b="2")
+    require_own(tmp_path, of_fit("a", sums=["1"]))
+    require_own(tmp_path, of_fit("code 17", sums=["1"]))  # names may be changed
+    with pytest.raises(InputError, match="of other recordings"):
+        require_own(tmp_path, of_fit("a", sums=["9"]))
+    require_own(tmp_path, of_fit("a", sums=["1"]), "a")
+    with pytest.raises(InputError, match="of other recordings"):
+        require_own(tmp_path, of_fit("a", sums=["1"]), "b")
+    indexed(tmp_path, a=None)
+    require_own(tmp_path, of_fit("a, 0 to 60 s"))
+    with pytest.raises(InputError, match="of other recordings"):
+        require_own(tmp_path, of_fit("b"))
+
+
+def test_fits_of_two_trials_that_were_exchanged_are_refused(walks, tmp_path):
+    _, out, _ = walks
+    copy = tmp_path / "out"
+    shutil.copytree(out, copy)
+    assert surae.load_session(copy).fits
+    fits = sorted((copy / "fits").glob("*.json"))
+    whole = [path.read_bytes() for path in fits]
+    for path, data in zip(fits, reversed(whole), strict=True):
+        path.write_bytes(data)
+    with pytest.raises(InputError, match="files were exchanged"):
+        surae.load_session(copy)
+
+
+def test_a_joint_fit_beside_other_recordings_is_refused(walks, tmp_path):
+    recording = next(walks[0].glob("*.csv"))
+    shutil.copy(recording, tmp_path)
+    require_own(tmp_path, of_fit(recording.stem))
+    with pytest.raises(InputError, match="of other recordings"):
+        require_own(tmp_path, of_fit("somebody-else"))
+
+
+@pytest.mark.parametrize("index", ["[]", '{"format": "surae session", "trials": 3}', "{"])
+def test_a_damaged_index_believes_no_fit_by_accident(tmp_path, index):
+    (tmp_path / "session.json").write_text(index)
+    with suppress(InputError):
+        require_own(tmp_path, of_fit("x", sums=["1"]))
