@@ -7,12 +7,16 @@ from datetime import date
 from typing import Any
 
 from surae.api import Fit, fit_of
+from surae.api.answers import CHANGE_ANGLES
 from surae.base.files import PathLike
 from surae.base.formatting import significant
 from surae.base.normal import NORMAL
 from surae.inference import AssessedFit
+from surae.inference.relaxed.curve import RelaxedCurve
+from surae.measures.at_rest import relaxed_of
 from surae.measures.change import compare_sessions
 from surae.measures.compared import common_end
+from surae.measures.relaxed_change import rest_change
 from surae.measures.table import LEADING
 from surae.report import block
 from surae.report.figures import BLUE, GREY, INK, Figure, dress, new_figure
@@ -45,7 +49,11 @@ def visits_report(
     end = common_end(visit.fit.result for visit in visits)
     sides = [fixed_quantities(visit.fit, end) for visit in visits]
     legs = visits[before].side != visits[after].side
-    change = compare_sessions(sides[before], sides[after], legs=legs)
+    curves = [relaxed_of(visits[k].fit.result) for k in (before, after)]
+    rest = None
+    if isinstance(curves[0], RelaxedCurve) and isinstance(curves[1], RelaxedCurve):
+        rest = rest_change(curves[0], curves[1], CHANGE_ANGLES, legs=legs)
+    change = compare_sessions(sides[before], sides[after], legs=legs, rest=rest)
     lead = LEADING[0]
     points = []
     for visit, side in zip(visits, sides, strict=True):
@@ -109,14 +117,16 @@ def over_time_figure(
 ) -> Figure:
     """A value over the days of visits, by side, each with its half-width.
 
-    `band` is the middle and half-width of what could not be told from the visit compared with.
+    `band` is the middle and half-width of what could not be told from the visit compared with: its
+    edges are drawn, as a wide one would fill the figure.
     """
     figure = new_figure(2.6, width=CARD_WIDTH)
     axes = figure.subplots()
     days = sorted({day for day, *_rest in points})
     apart = 0.012 * max((days[-1] - days[0]).days, 1)
     if band is not None:
-        axes.axhspan(band[0] - band[1], band[0] + band[1], color=GREY, alpha=0.3, linewidth=0)
+        for edge in (band[0] - band[1], band[0] + band[1]):
+            axes.axhline(edge, color=GREY, linewidth=1.2, linestyle=(0, (4, 3)))
     names = {"left": _("left leg"), "right": _("right leg")}
     looks = {"left": ("o", INK, -apart), "right": ("s", BLUE, apart)}
     for side in sorted({side for _day, side, *_rest in points}):
