@@ -30,7 +30,7 @@ def values(path: Path) -> dict[str, float]:
     return {name: p["value"] for name, p in found.items()}
 
 
-@pytest.mark.parametrize("pairs", [1])  # ten of them were counted once: decisions, 14
+@pytest.mark.parametrize("pairs", [1])
 def test_after_two_that_were_killed_the_next_is_right(tmp_path, trial_csv, pairs) -> None:
     chance = random.Random(72)
     before = begun(tmp_path, trial_csv, "whole.json")
