@@ -45,7 +45,9 @@ def test_a_static_hold_is_inadequate_and_identifies_nothing(noisy):
         ("angle-units", "error", Grade.INADEQUATE),
         ("electrodes-swapped", "error", Grade.DOUBTFUL),
         ("torque-unit", "warning", Grade.ADEQUATE),
-        ("position-steps", "error", Grade.ADEQUATE),
+        ("position-steps", "warning", Grade.ADEQUATE),
+        ("position-steps", "error", Grade.DOUBTFUL),
+        ("time-gap", "error", Grade.ADEQUATE),  # a fit is of the parts between gaps
     ],
 )
 def test_a_recording_that_is_not_what_its_file_says_is_said_so(noisy, code, severity, grade):
@@ -55,7 +57,9 @@ def test_a_recording_that_is_not_what_its_file_says_is_said_so(noisy, code, seve
     worth = assess(result, quality=[Quality("walk", (found,))])
     assert worth.adequacy.grade is grade
     named = any("walk is not what its file says" in reason for reason in worth.adequacy.reasons)
-    assert named == (grade is not Grade.ADEQUATE)
+    assert named == (grade is not Grade.ADEQUATE and code != "position-steps")
+    stands = any("walk has an error that stands: found" in r for r in worth.adequacy.reasons)
+    assert stands == (code == "position-steps" and severity == "error")
     identified = any(p.verdict is Verdict.IDENTIFIED for p in worth.parameters.values())
     assert identified == (grade is not Grade.INADEQUATE)
 

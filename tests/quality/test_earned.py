@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import surae
+import surae.api
 from surae.base.frozen import read_only
 from surae.recording import Recording
 from undrawn import blank_figures
@@ -87,3 +88,17 @@ def test_rest_is_doubted_by_errors_of_its_torque_through_every_door() -> None:
     assert of_rest
     assert not [m.name for m in of_rest if m.verdict == "identified"]
     assert by_fit["torque_rise"].verdict == told.measures["torque_rise"].verdict
+
+
+@pytest.mark.parametrize(("family", "number"), [("d", 0), ("d", 3), ("e", 1), ("f", 1), ("i", 1)])
+def test_a_second_of_a_trial_is_stopped_for_nothing_that_it_cannot_tell(family, number) -> None:
+    """Pieces as long as a stride, which were once called raw, doubled or per kilogram."""
+    make = pytest.importorskip("ankle_legs.make")
+    columns = make.leg(family, 6601).columns(make.leg(family, 6601).record(1, 20.0, "active"), 1)
+    emg = np.column_stack([v for name, v in columns.items() if name[:4] == "emg_"])
+    signals = (columns[name] for name in ("time_s", "angle_rad", "torque_Nm"))
+    whole = replace(Recording.from_arrays(*signals, emg, emg_kind="envelope"), name="whole")
+    piece = whole.crop(3.0 + 3.0 * number, 4.1 + 3.0 * number)
+    _, quality = surae.api.check_together([whole, replace(piece, name="piece")])
+    errors = {f.code for f in quality.findings if f.severity == "error"}
+    assert errors <= {"angle-still"}

@@ -245,8 +245,21 @@ def _flat(
 
 
 def doubled(trial: CheckedTrial) -> Iterator[Finding]:
-    """A muscle whose EMG is another's: one column, input or hum twice."""
+    """A muscle whose EMG is another's: one column, input or hum twice.
+
+    Where both rest in this trial and work in others, what they share is the recorder's noise.
+    """
+    known = trial.electrodes
+    resting = {
+        muscle
+        for muscle in trial.varying
+        if known.trials > 1
+        and known.works(muscle)
+        and known.rests(muscle, quantile(trial.slow[muscle], 0.98))
+    }
     for (muscle, one), (other, two) in combinations(trial.varying.items(), 2):
+        if {muscle, other} <= resting:
+            continue
         same = len(one.values) == len(two.values)
         r = abs(correlation(one.values, two.values)) if same else 0.0
         if r > ONE_SIGNAL[trial.emg_kind]:

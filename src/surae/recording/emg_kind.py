@@ -24,6 +24,8 @@ _DRIFT_S = 0.1
 #: of a muscle that comes and goes.
 _STEADY = 1.6
 _PIECE_S = 0.5
+#: Pieces up to which their strengths do not tell.
+_FEW = 5
 #: Negative samples by this part of the highest are more than a filter's ringing.
 _NEGATIVE = 0.1
 #: A torque goes with the angle where they correlate at least so much.
@@ -162,10 +164,13 @@ def _detrended(values: FloatArray, span_s: float) -> FloatArray:
 
 
 def _is_steady(fast: FloatArray, span_s: float) -> bool:
-    """Whether the strength of what is fast stays the same throughout."""
+    """Whether the strength of what is fast stays the same throughout, as far as can be told.
+
+    In the second or two of a stride an envelope at rest may be its recorder's noise alone.
+    """
     pieces = np.array_split(fast, max(int(span_s / _PIECE_S), 1))
     low, high = np.quantile([piece.std() for piece in pieces], (0.1, 0.9))
-    return bool(len(pieces) > 5 and high < _STEADY * low)
+    return bool(len(pieces) <= _FEW or high < _STEADY * low)
 
 
 def _crossings(values: FloatArray) -> int:

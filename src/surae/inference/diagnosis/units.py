@@ -26,6 +26,8 @@ _RATES = (20.0, 50_000.0)
 _SMALL = 4.0
 #: Movement [rad] over which the passive torque alone grows by more than that.
 _MOVES = 0.35
+#: Seconds of a trial below which a torque that an ankle may have is not said to be in another unit.
+_TELLS = 3.0
 #: Body mass [kg] for which per kilogram is tried, and the units that a torque may be in.
 _BODY = 70.0
 _UNITS = {"mNm": 1e-3, "cNm": 1e-2, "kNm": 1e3, "per-kg": _BODY, "mNm-per-kg": 1e-3 * _BODY}
@@ -132,6 +134,9 @@ def _torque_unit(recording: Recording) -> _Righted | None:
     moved = float(np.ptp(recording.channels["angle"].values)) > _MOVES
     if not likely or (plausible and not (moved and recording.fixed.get("m") == 0.0)):
         return None
+    start, end = recording.shared
+    if least <= top <= most and not moved and end - start < _TELLS:
+        return None  # a part of one movement: so little torque is an ankle's too
     best, *more = likely
     if more or plausible:
         likely = [*likely, *([Explanation(Message("read/Nm"))] if plausible else ())]
