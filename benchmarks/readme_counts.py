@@ -1,12 +1,12 @@
 """README's counts of what is claimed, from answers to the challenge: one command renews them.
 
-    .venv/bin/python benchmarks/challenge.py --seeds SEED --output ANSWERS
+    .venv/bin/python benchmarks/challenge.py --families va,vb,vc --seeds 3401-3403 --output ANSWERS
     .venv/bin/python benchmarks/readme_counts.py ANSWERS
 
-The first makes one table of answers an entrant; the second counts each, keeps the counts beside
-this file (`readme_counts.json`, with the version that made them) and writes the rows between the
-marks of README. `tests/test_benchmarks.py` holds README to the kept counts, and these to the
-product.
+The first makes one table of answers an entrant; the second counts those there are, keeps the
+counts beside this file (`readme_counts.json`, with the version that made them) and writes the rows
+between the marks of README. `tests/test_benchmarks.py` holds README to the kept counts, and these
+to the product.
 """
 
 import argparse
@@ -75,8 +75,11 @@ def counted(folder: Path) -> dict[str, object]:
     made: dict[str, object] = {"surae": surae.__version__}
     for entrant in dict.fromkeys(entrant for entrant, _ in ROWS):
         path = folder / f"{entrant}.csv"
-        seeds = {row["seed"] for row in rows(path, ("seed",))}
-        made["seed"] = ", ".join(sorted(seeds))
+        if not path.exists():
+            continue
+        said = rows(path, ("family", "seed"))
+        for name in ("family", "seed"):
+            made[name] = sorted({row[name] for row in said})
         for group, of in groups(path):
             *families, total = score(path, of)
             made[f"{entrant} {group}"] = asdict(summed(total))
@@ -88,12 +91,23 @@ def counted(folder: Path) -> dict[str, object]:
 
 
 def table(kept: dict[str, object]) -> str:
-    """The rows of README."""
+    """The rows of README, of what was answered."""
+    there = {words: Sum(**kept[" ".join(key)]) for key, words in ROWS.items() if _told(kept, key)}
+    legs = max(of.legs for of in there.values())
     head = (
-        f"| one trial of each of twenty legs, the same ones, seed {kept['seed']} "
-        "| identified | of these true | all intervals that hold |\n|---|--:|--:|--:|\n"
+        f"| one trial of each of {legs} legs, families {_ends(kept['family'])}, "
+        f"seeds {_ends(kept['seed'])} | identified | of these true | all intervals that hold |\n"
+        "|---|--:|--:|--:|\n"
     )
-    return head + "".join(_row(words, Sum(**kept[" ".join(key)])) for key, words in ROWS.items())
+    return head + "".join(_row(words, of) for words, of in there.items())
+
+
+def _told(kept: dict[str, object], key: tuple[str, str]) -> bool:
+    return kept.get(" ".join(key), {"intervals": 0})["intervals"] > 0
+
+
+def _ends(names: list[str]) -> str:
+    return names[0] if len(names) == 1 else f"{names[0]} to {names[-1]}"
 
 
 def _row(words: str, of: Sum) -> str:

@@ -73,14 +73,17 @@ def test_departures_of_the_leg_are_in_the_file_and_the_laboratorys_are_named():
 def test_a_fibre_is_as_long_as_fitted_and_its_curve_is_wider_instead(seed, model) -> None:
     leg = leg_of(seed, model)
     joint = joint_of(leg, MOVED, springs=False)
-    assert joint.rms < 0.015 * joint.largest
+    # a fibre that is to stay within 0.2 to 1.8 optimal lengths follows the torque less well
+    assert joint.rms < 0.05 * joint.largest
     for of, group in zip(joint.muscles, ("tri", "tib"), strict=True):
         assert of.muscle.optimal == leg.values[f"l0_{group}"]
         assert of.muscle.width >= 1.0
         assert f"{of.name} {of.muscle.width:.3g}" in joint.widths
     # the thesis's triceps travels 17 mm/rad under an arm of 48
-    assert joint.muscles[0].muscle.width > 5.0
-    assert "triceps_surae: its force-length curve is" in joint.warnings[0]
+    triceps = joint.muscles[0].muscle
+    assert triceps.width > 1.5
+    assert triceps.width > 2.0 or "optimum" in triceps.at_limit
+    assert "triceps_surae: " in joint.warnings[0]
     told = [float(e.text) for e in root_of(osim(joint, [])).iter("active_force_width_scale")]
     assert told == [pytest.approx(of.muscle.width) for of in joint.muscles]
 
@@ -98,7 +101,8 @@ def test_a_triceps_that_travels_by_its_arm_has_a_narrower_curve() -> None:
     leg = Leg(leg.spec, options, {**leg.values, **own, "x0_tib": 0.075})
     joint = joint_of(leg, MOVED, springs=False)
     printed = joint_of(leg_of(2), MOVED, springs=False)
-    assert 1.0 <= joint.muscles[0].muscle.width < 0.5 * printed.muscles[0].muscle.width
+    assert 1.0 <= joint.muscles[0].muscle.width < printed.muscles[0].muscle.width
+    assert joint.rms < printed.rms
 
 
 def root_of(text: str) -> ElementTree.Element:
