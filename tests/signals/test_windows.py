@@ -53,10 +53,9 @@ def test_what_is_not_long_is_left_whole() -> None:
     assert thinned([short, short]) == (short, short)
 
 
-def test_a_family_reads_all_of_a_long_recording() -> None:
-    (whole,) = parts_of([long(2.0 * ONE[0])], True)
-    assert whole.name == "long"
-    assert len(parts_of([whole], False)) == ONE[1]
+def test_a_fit_reads_windows_of_what_is_very_long() -> None:
+    assert len(parts_of([long(2.0 * ONE[0])])) == ONE[1]
+    assert len(parts_of([long(ONE[0] - 1.0)])) == 1
 
 
 def test_a_fit_names_its_windows() -> None:

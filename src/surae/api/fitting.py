@@ -135,7 +135,7 @@ def inputs_for(
                 "fitted; use surae impedance, which tells tissue from reflex"
             )
     try:
-        parts = parts_of(recordings, settings.model == AUTO)
+        parts = parts_of(recordings)
         return settings.inputs(parts, mvc)
     except InputError as error:
         raise explained(error, recordings) from None

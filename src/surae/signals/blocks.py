@@ -18,7 +18,7 @@ from surae.signals.inputs import ModelInputs
 
 #: A recording that lasts longer [s] is cut into blocks of at most that length, simulated from so
 #: long before; blocks of each recording in which a search begins, at most.
-LONGEST = 100.0
+LONGEST = 300.0
 SECONDS = 60.0
 LEAD_S = 12.0
 FEW = 4

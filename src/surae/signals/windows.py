@@ -13,8 +13,8 @@ from surae.recording import MUSCLES, Recording
 from surae.signals.inputs import ModelInputs
 from surae.signals.timebase import GAP_STEPS
 
-#: A recording that lasts longer [s] is thinned to so many windows of that length [s], for a named
-#: model; a family reads all of it in blocks (`surae.signals.blocks`).
+#: A recording that lasts longer [s] is thinned to so many windows of that length [s]; up to there
+#: a family reads one in blocks (`surae.signals.blocks`).
 ONE = (900.0, 10, 60.0)
 #: Where samples are missing for so long [s], a recording is in parts; shorter ones tell nothing.
 _GAP = 0.05
@@ -51,12 +51,9 @@ def _pieces(recording: Recording) -> list[tuple[float, float]]:
     return pieces
 
 
-def parts_of(
-    recordings: Sequence[Recording | ModelInputs], family: bool
-) -> tuple[Recording | ModelInputs, ...]:
+def parts_of(recordings: Sequence[Recording | ModelInputs]) -> tuple[Recording | ModelInputs, ...]:
     """What a fit reads of recordings, each as a recording of its own: parts, or windows of one."""
-    parts = parted(recordings)
-    return parts if family else thinned(parts)
+    return thinned(parted(recordings))
 
 
 def thinned(recordings: Sequence[Recording | ModelInputs]) -> tuple[Recording | ModelInputs, ...]:

@@ -132,7 +132,7 @@ def prepared_for(
     settings: FitSettings, recording: Recording, reference: EmgReference | None
 ) -> tuple[ModelInputs, ...]:
     """What a fit reads of one trial, its EMG divided by the session's reference: parts, windows."""
-    parts = parts_of([recording], settings.model == AUTO)
+    parts = parts_of([recording])
     prepared = replace(settings, normalise=None).inputs(parts)
     return tuple(normalised(inputs, reference) for inputs in prepared)
 
