@@ -49,6 +49,7 @@ def test_defaults_are_the_thesis() -> None:
             "theta_foot, vmax_factor, x_ref_tri, x_ref_tib, emg_ref, joint, tissue",
         ),
         ({"tissue": "stiff"}, "tissue is 'stiff'; give a TissueCurve"),
+        ({"tissue": "stiff.csv"}, "tissue is 'stiff.csv'; give a TissueCurve"),
     ],
 )
 def test_refusals(given, message) -> None:

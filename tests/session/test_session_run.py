@@ -11,11 +11,13 @@ import pytest
 
 import surae
 from surae.api import session_run
+from surae.api.sides import side_of
 from surae.base.errors import InputError
 from surae.base.frozen import read_only
+from surae.base.records import to_plain
 from surae.report import block
 from surae.report.trials import crossed_section
-from surae.trials import Crossed
+from surae.trials import Crossed, Effort
 
 pytestmark = pytest.mark.usefixtures("few")
 QUICK = {"model": "muscle", "prepared": True, "starts": 1}
@@ -132,6 +134,20 @@ def test_the_folder_is_read_back(done):
     frame = again.to_dataframe()
     assert frame.loc[1, "k_tri"] == result.fits["walk 1"].values["k_tri"]
     assert frame.attrs["units"]["k_tri"] == "1/m"
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_what_trials_are_and_how_strong_they_were_are_both_read_back(done, tmp_path):
+    """Both are of efforts, and stand in one index."""
+    _, result = done
+    assert not to_plain(result.session).keys() & to_plain(result).keys()
+    given = replace(result.session, efforts={"hold": "maximal"})
+    strong = (Effort("hold", "tri", 61.5, 4.0, 2.5), Effort("hold", "tib", 20.0, 4.0, 7.5))
+    replace(result, session=given, maximal_efforts=strong).save(tmp_path)
+    again = surae.load_session(tmp_path)
+    assert again.session.efforts == {"hold": "maximal"}
+    assert again.maximal_efforts == strong
+    assert side_of(tmp_path).efforts == strong
 
 
 @pytest.mark.usefixtures("undrawn")

@@ -99,7 +99,7 @@ def _efforts_in(folder: Path) -> tuple[Effort, ...]:
     """What the index of a session has of efforts; none where an older surae wrote it."""
     index = index_of(folder) or {}
     with within(shown(folder / INDEX), "; damaged, or of a newer surae"):
-        return tuple(from_plain(Effort, each) for each in index.get("efforts", ()))
+        return tuple(from_plain(Effort, each) for each in index.get("maximal_efforts", ()))
 
 
 def _is_session(place: Path) -> bool:

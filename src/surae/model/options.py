@@ -187,8 +187,8 @@ def with_files(given: Mapping[str, Any]) -> dict[str, Any]:
             from surae.base.records import from_plain
 
             read[name] = from_plain(kind, value)
-        elif not isinstance(value, str | PathLike) or value in CHOICES.get(name, ()):
-            continue
+        elif not isinstance(value, str | PathLike) or value in CHOICES.get(name, (value,)):
+            continue  # what has no named choices is read from no file
         elif Path(value).suffix or Path(value).is_file():
             # readers need NumPy, and options do not
             home = import_module("surae.model")

@@ -34,7 +34,7 @@ class FittedLeg:
     #: What slow and fast stretches and perturbations say of reflexes; None without such trials.
     nerve: Nerve | None = None
     #: Efforts of the trials of maximal effort.
-    efforts: tuple[Effort, ...] = ()
+    maximal_efforts: tuple[Effort, ...] = ()
 
     def __post_init__(self) -> None:
         """Make the mappings read-only."""
