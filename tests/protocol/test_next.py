@@ -10,7 +10,7 @@ from surae.api import fit_inputs
 from surae.base.errors import InputError
 from surae.inference.judging.adequacy import Grade
 from surae.inference.judging.reasons import against
-from surae.planning.design import _along
+from surae.planning.aimed import _along
 from surae.planning.information import information, prior_precision, shared
 from surae.planning.legs import fit_legs, population_legs
 from surae.planning.next import _half_widths, known_from

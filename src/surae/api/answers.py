@@ -123,7 +123,7 @@ def course(
 
     Examples
     --------
-    >>> surae.course(["march", "april", "june"], days=[0, 31, 92]).sentence
+    >>> surae.course(["before.json", "fit.json", "after.json"], days=[0, 31, 92]).sentence
     """
     settings = ChangeSettings(**keywords)
     if settings.legs or settings.mounted:

@@ -108,7 +108,8 @@ def compare(fits: Mapping[str, Fit]) -> Comparison:
 
     Examples
     --------
-    >>> surae.compare({"rigid": fit_a, "tendons": fit_b}).to_dataframe()
+    >>> fits = {"march": surae.load("before.json"), "june": surae.load("after.json")}
+    >>> surae.compare(fits).to_dataframe()
     """
     if len(fits) < 2:
         raise InputError(f"{len(fits)} fit to compare; give at least two, by name")

@@ -26,7 +26,7 @@ _ARRAYS = ("time", "angle", "velocity", "acceleration", "emg", "torque")
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class RecordingBlock:
     """A block, and where in its recording it is with its lead-in; a short one is its own."""
 
     inputs: ModelInputs
@@ -36,19 +36,19 @@ class Part:
     seconds: float  #: How long it lasts.
 
 
-def cut(whole: ModelInputs, number: int, seconds: float) -> tuple[Part, ...]:
+def cut(whole: ModelInputs, number: int, seconds: float) -> tuple[RecordingBlock, ...]:
     """The blocks of recording `number`, which lasts so long [s].
 
     Films are of the whole, which then stays so.
     """
     if seconds <= LONGEST or whole.films:
-        return (Part(whole, whole, slice(0, whole.n), number, seconds),)
+        return (RecordingBlock(whole, whole, slice(0, whole.n), number, seconds),)
     edges = np.linspace(0, whole.n, int(np.ceil(seconds / SECONDS)) + 1).round().astype(int)
     lead = int(LEAD_S * whole.rate_hz)
     return tuple(_part(whole, number, int(begin), int(end), lead) for begin, end in pairwise(edges))
 
 
-def _part(whole: ModelInputs, number: int, begin: int, end: int, lead: int) -> Part:
+def _part(whole: ModelInputs, number: int, begin: int, end: int, lead: int) -> RecordingBlock:
     at = slice(max(begin - lead, 0), end)
     weight = whole.weights[at].copy()
     weight[: begin - at.start] = 0.0
@@ -59,10 +59,10 @@ def _part(whole: ModelInputs, number: int, begin: int, end: int, lead: int) -> P
     inputs = replace(
         whole, **arrays, second=second, weight=read_only(weight), block_of=number, steps=()
     )
-    return Part(inputs, whole, at, number, inputs.n / inputs.rate_hz)
+    return RecordingBlock(inputs, whole, at, number, inputs.n / inputs.rate_hz)
 
 
-def telling(parts: Sequence[Part]) -> tuple[Part, ...]:
+def telling(parts: Sequence[RecordingBlock]) -> tuple[RecordingBlock, ...]:
     """Those few of a recording's blocks in which its angle and EMG vary most, in their order."""
     if len(parts) <= FEW:
         return tuple(parts)

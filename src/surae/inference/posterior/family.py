@@ -29,7 +29,7 @@ from surae.model.source import Gaussian
 from surae.model.source_table import GEAR
 from surae.model.symmetry import GROUPS, bend_of_work, length_at_rest
 from surae.signals import ModelInputs, emg_levels, emg_sizes, quiet_levels, steady_emg
-from surae.signals.blocks import Part, cut, telling
+from surae.signals.blocks import RecordingBlock, cut, telling
 from surae.signals.prepare import sharpened
 from surae.signals.resample import thinned, thinning_factor
 
@@ -122,9 +122,9 @@ class Family:
             )
         return self._thinned[rate_hz]
 
-    def _parts(self, rate_hz: float) -> list[Part]:
+    def _parts(self, rate_hz: float) -> list[RecordingBlock]:
         """The recordings at a rate, long ones as blocks: at the first rate a few of them."""
-        made: list[Part] = []
+        made: list[RecordingBlock] = []
         pairs = zip(self.at_rate(rate_hz), self.original.inputs, strict=True)
         for number, (given, whole) in enumerate(pairs):
             parts = cut(given, number, whole.n / whole.rate_hz)
@@ -132,7 +132,7 @@ class Family:
         return made
 
     def _of_parts(
-        self, noise: Sequence[NoiseModel], parts: Sequence[Part]
+        self, noise: Sequence[NoiseModel], parts: Sequence[RecordingBlock]
     ) -> tuple[NoiseModel, ...]:
         """The noise of each part, where that of recordings or of some of their parts is known."""
         if len(noise) == len(parts):

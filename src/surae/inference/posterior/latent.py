@@ -22,7 +22,7 @@ from surae.inference.posterior.film import FilmView, hats, slices_of, views
 from surae.model.activation import IntArray
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs, smooth_effort
-from surae.signals.blocks import Part
+from surae.signals.blocks import RecordingBlock
 
 #: Correlation time and distance of the hats [s]: of an electrode's gain, and of the torque's zero.
 GAIN_S = 6.0
@@ -67,7 +67,7 @@ class Latents:
         seconds: float,
         *,
         perfect: bool,
-        part: Part | None = None,
+        part: RecordingBlock | None = None,
     ) -> "Latents":
         """The latents of a recording that lasts so long before it is thinned, or of its `part`.
 
@@ -153,7 +153,7 @@ _FEWEST = 30
 #: Inverse covariance of hats whose sum is white noise up to 0.4 of their rate, on and beside the
 #: diagonal: hats that have nothing in common are half as strong at 0.3 of it (fitted to sinc⁴).
 _WHITE = 0.645, 0.185
-#: Part of a muscle's effort below which its logarithm is not taken further.
+#: RecordingBlock of a muscle's effort below which its logarithm is not taken further.
 _QUIET = 0.02
 
 
