@@ -32,6 +32,8 @@ _DEGREE = 3
 _KEPT = ("arm_", "path_", "length_", "fl_", "joint_", "emd")
 #: Scale of a force-length curve's width above which a muscle is no human one.
 WIDEST = 2.0
+#: Strain of a tendon at the largest force above which it is no human one.
+STRAINED = 0.15
 #: Weights of the EMG of each group, and its channels.
 GAINS = {"tri": ("g2", "g3", "g4"), "tib": ("g1",)}
 _CHANNELS = {"tri": slice(1, 4), "tib": slice(0, 1)}
@@ -160,6 +162,11 @@ class JointModel:
                     f"{of.name}: its force-length curve is {muscle.width:.2g} times as wide as the "
                     "standard one, because the path of the fit travels less than its arm: fit with "
                     "geometry virtual-work or the leg’s own for a muscle of the usual width."
+                )
+            if muscle.strain > STRAINED:
+                said.append(
+                    f"{of.name}: its tendon stretches by {100.0 * muscle.strain:.0f} % at the "
+                    "largest force, farther than a human one can, to make up for its path."
                 )
             if muscle.at_limit:
                 limits = ", ".join(muscle.at_limit)

@@ -33,7 +33,8 @@ _FL = (
 _FV = (-0.3211346127989808, -8.149, -0.374, 0.8825327733249912)
 _FV_SLOPE = _FV[0] * _FV[1] / (1.0 + _FV[2] ** 2) ** 0.5
 _TENDON = 0.2
-#: Shortest and longest fibre of OpenSim, with room [optimal lengths].
+#: Shortest and longest fibre of OpenSim, with room, where the tendon stretches as it does in the
+#: fit [optimal lengths]; where a path leaves no room for both, the shortest holds.
 _FIBRE = (0.25, 1.75)
 #: Halvings in which force balance is found; 40 leave 1e-12 of the largest force.
 _HALVINGS = 40
