@@ -8,7 +8,7 @@ import pytest
 from surae import api
 from surae.recording import Channel, Recording
 from surae.settings import FitSettings
-from surae.signals.windows import ONE, parted, parts_of, thinned
+from surae.signals.windows import FAMILY, ONE, parted, thinned
 
 
 def long(seconds, rate=50.0, moving=()):
@@ -28,12 +28,13 @@ def long(seconds, rate=50.0, moving=()):
     return Recording("long", channels)
 
 
-def test_windows_are_where_much_moves_one_in_each_part() -> None:
-    longest, count, seconds = ONE
+@pytest.mark.parametrize(("family", "limits"), [(True, FAMILY), (False, ONE)])
+def test_windows_are_where_much_moves_one_in_each_part(family, limits) -> None:
+    longest, count, seconds = limits
     total = 2.0 * longest
     wanted = [(i + 0.5) * total / count for i in range(count)]
     recording = long(total, moving=[(w, w + seconds) for w in wanted])
-    windows = thinned([recording])
+    windows = thinned([recording], family)
     begins = [each.channels["angle"].time[0] for each in windows]
     assert len(windows) == count
     np.testing.assert_allclose(begins, wanted, atol=6.0)
@@ -45,17 +46,13 @@ def test_windows_are_where_much_moves_one_in_each_part() -> None:
         recording.channels["torque"], values=np.zeros(recording.channels["torque"].time.size)
     )
     other = replace(recording, channels={**recording.channels, "torque": torque})
-    assert [each.name for each in thinned([other])] == [each.name for each in windows]
+    assert [each.name for each in thinned([other], family)] == [each.name for each in windows]
 
 
 def test_what_is_not_long_is_left_whole() -> None:
-    short = long(ONE[0] - 1.0)
-    assert thinned([short, short]) == (short, short)
-
-
-def test_a_fit_reads_windows_of_what_is_very_long() -> None:
-    assert len(parts_of([long(2.0 * ONE[0])])) == ONE[1]
-    assert len(parts_of([long(ONE[0] - 1.0)])) == 1
+    short = long(FAMILY[0] - 1.0)
+    assert thinned([short, short], True) == (short, short)
+    assert thinned([long(FAMILY[0] + 10.0)], False)[0].name == "long"
 
 
 def test_a_fit_names_its_windows() -> None:

@@ -13,8 +13,9 @@ from surae.recording import MUSCLES, Recording
 from surae.signals.inputs import ModelInputs
 from surae.signals.timebase import GAP_STEPS
 
-#: A recording that lasts longer [s] is thinned to so many windows of that length [s]; up to there
-#: a family reads one in blocks (`surae.signals.blocks`).
+#: A recording that lasts longer [s] is thinned to so many windows of that length [s]: for a family
+#: of models, whose fit takes a hundred times as long as a named one's, and for one model.
+FAMILY = (300.0, 3, 20.0)
 ONE = (900.0, 10, 60.0)
 #: Where samples are missing for so long [s], a recording is in parts; shorter ones tell nothing.
 _GAP = 0.05
@@ -51,18 +52,15 @@ def _pieces(recording: Recording) -> list[tuple[float, float]]:
     return pieces
 
 
-def parts_of(recordings: Sequence[Recording | ModelInputs]) -> tuple[Recording | ModelInputs, ...]:
-    """What a fit reads of recordings, each as a recording of its own: parts, or windows of one."""
-    return thinned(parted(recordings))
-
-
-def thinned(recordings: Sequence[Recording | ModelInputs]) -> tuple[Recording | ModelInputs, ...]:
+def thinned(
+    recordings: Sequence[Recording | ModelInputs], family: bool
+) -> tuple[Recording | ModelInputs, ...]:
     """Recordings, a long one as windows of it.
 
     Each of as many equal parts gives the window in which the angle and the EMG vary most, by what
     was asked and done, not by the torque that is to be explained. The windows are fitted jointly.
     """
-    longest, count, seconds = ONE
+    longest, count, seconds = FAMILY if family else ONE
     made: list[Recording | ModelInputs] = []
     for each in recordings:
         if isinstance(each, Recording) and "angle" in each.channels:

@@ -15,7 +15,7 @@ from surae.quality import KINDS, Quality
 from surae.recording import Recording, SourceFile
 from surae.settings import FitSettings
 from surae.signals import EmgReference, ModelInputs, emg_reference, normalised
-from surae.signals.windows import parted, parts_of
+from surae.signals.windows import parts_of
 from surae.trials.sorting import Reading, Trial
 
 

@@ -82,9 +82,8 @@ class Family:
         self.is_still = self.is_perfect  #: Whether nothing is to differ from moment to moment.
         self.known = settings.known  #: Groups that are in without being asked for.
         self._thinned: dict[float, tuple[ModelInputs, ...]] = {}
-        #: What each posterior counted so far, and of how many recordings or blocks: no more of it,
-        #: for its rows are large.
-        self._calls: list[tuple[list[int], int]] = []
+        #: What each posterior counted so far, and no more of it: its rows are large.
+        self._calls: list[list[int]] = []
         if problem.has_unheard:  # what such muscles do would pass for noise of the others' EMG
             self._forget_noise()
 
@@ -102,12 +101,12 @@ class Family:
     @property
     def evaluations(self) -> int:
         """Simulations with derivatives so far, of all recordings together."""
-        return sum(calls[0] // parts for calls, parts in self._calls)
+        return sum(simulated for simulated, _ in self._calls) // len(self.inputs)
 
     @property
     def capped(self) -> int:
         """Descents so far that ended at a cap."""
-        return sum(calls[1] for calls, _ in self._calls)
+        return sum(capped for _, capped in self._calls)
 
     def possible(self, groups: Sequence[str]) -> tuple[str, ...]:
         """Those of the groups of which something is not ruled out."""
@@ -222,7 +221,7 @@ class Family:
             problem, priors, noise, latents, sizes, beliefs=beliefs, rate_hz=rate_hz, rest=rest
         )
         made.follow = self._follow
-        self._calls.append((made.observed.calls, len(inputs)))
+        self._calls.append(made.observed.calls)
         return made
 
     def like(self, of: LogPosterior, groups: Sequence[str]) -> LogPosterior:
