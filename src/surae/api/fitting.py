@@ -25,7 +25,7 @@ from surae.quality.used import used
 from surae.recording import Recording
 from surae.settings import FIT_RECORDS, FitSettings
 from surae.signals import ModelInputs, Weighting
-from surae.signals.windows import parts_of
+from surae.signals.windows import parted, thinned
 
 if TYPE_CHECKING:
     from surae.api.keywords import FitKeywords
@@ -135,7 +135,7 @@ def inputs_for(
                 "fitted; use surae impedance, which tells tissue from reflex"
             )
     try:
-        parts = parts_of(recordings)
+        parts = thinned(parted(recordings), settings.model == AUTO)
         return settings.inputs(parts, mvc)
     except InputError as error:
         raise explained(error, recordings) from None

@@ -11,7 +11,6 @@ from surae.inference.problem import FitProblem
 from surae.model.laboratory import EACH_TRIAL, GROUPS
 from surae.model.registry import PARAMETERS
 from surae.model.source import Gaussian
-from surae.signals.blocks import recordings_of
 
 #: Least value of a parameter on a logarithm whose bound is zero, as a part of its prior's median.
 _FLOOR = 1e-2
@@ -33,10 +32,7 @@ class Coordinates:
     def __init__(self, problem: FitProblem, priors: Mapping[str, Gaussian]) -> None:
         self.problem = problem
         self.priors = priors
-        #: The number of the recording that each of the inputs is, or is a block of.
-        self.recordings = recordings_of(problem.inputs)
-        self.count = self.recordings[-1] + 1  #: How many recordings there are.
-        several = self.count if self.count > 1 else 0
+        several = len(problem.inputs) if len(problem.inputs) > 1 else 0
         #: Of each recording, in its turn behind the shared ones; empty for a single one.
         self.per_recording = tuple(n for n in problem.free if several and n in _EACH)
         self.names = tuple(n for n in problem.free if n not in self.per_recording)
@@ -91,7 +87,7 @@ class Coordinates:
 
     def each(self, z: FloatArray) -> FloatArray:
         """What each recording has for itself, shape (recordings, own)."""
-        return z[len(self.names) :].reshape(self.count, -1)
+        return z[len(self.names) :].reshape(len(self.problem.inputs), -1)
 
     def of_recording(self, number: int) -> npt.NDArray[np.int64]:
         """Where among the coordinates those are that move a recording: shared ones, its own."""

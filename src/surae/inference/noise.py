@@ -1,6 +1,5 @@
 """Noise that is correlated over time: an autoregressive model of it, and its spectrum."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -61,15 +60,6 @@ class NoiseModel(Comparable):
             return np.empty((0, 0))
         gamma = toeplitz(self.autocovariance[: self.order])
         return np.asarray(self.variance / self.samples * np.linalg.pinv(gamma, hermitian=True))
-
-
-def mean_noise(each: Sequence[NoiseModel]) -> NoiseModel:
-    """Noise of parts as one, white, with their mean variance; of a single one as it is."""
-    if len(each) == 1:
-        return each[0]
-    samples = np.array([own.samples for own in each])
-    variance = float(np.average([own.variance for own in each], weights=samples))
-    return NoiseModel.white(variance, float(samples.sum()))
 
 
 def autoregressive(autocovariance: FloatArray, samples: float) -> NoiseModel:

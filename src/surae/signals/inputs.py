@@ -37,7 +37,7 @@ class Film(Comparable):
     length: FloatArray  #: Its length [m], shape (k,).
 
 
-@filed("block_of", n="n", sparse=("films", "second", "own_envelopes", "rectified", "emg_lost"))
+@filed(n="n", sparse=("films", "second", "own_envelopes", "rectified", "emg_lost"))
 @dataclass(frozen=True, slots=True, eq=False)
 class ModelInputs(Comparable):
     """Prepared signals of one recording, arrays read-only and of shape (n,) unless stated."""
@@ -81,8 +81,6 @@ class ModelInputs(Comparable):
     rectified: tuple[float, ...] = ()
     #: How far its EMG may be too small for the rate of the raw EMG, see `lost_to_rate`.
     emg_lost: float = 0.0
-    #: Number of the long recording that it is a block of, in a search; None of a whole one.
-    block_of: int | None = None
 
     def __post_init__(self) -> None:
         """Make the mapping read-only; the arrays are made so by whoever prepares them."""

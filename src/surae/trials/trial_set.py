@@ -15,7 +15,7 @@ from surae.quality import KINDS, Quality
 from surae.recording import Recording, SourceFile
 from surae.settings import FitSettings
 from surae.signals import EmgReference, ModelInputs, emg_reference, normalised
-from surae.signals.windows import parts_of
+from surae.signals.windows import parted, thinned
 from surae.trials.sorting import Reading, Trial
 
 
@@ -132,7 +132,7 @@ def prepared_for(
     settings: FitSettings, recording: Recording, reference: EmgReference | None
 ) -> tuple[ModelInputs, ...]:
     """What a fit reads of one trial, its EMG divided by the session's reference: parts, windows."""
-    parts = parts_of([recording])
+    parts = thinned(parted([recording]), settings.model == AUTO)
     prepared = replace(settings, normalise=None).inputs(parts)
     return tuple(normalised(inputs, reference) for inputs in prepared)
 

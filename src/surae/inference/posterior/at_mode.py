@@ -12,7 +12,6 @@ from surae.base.words import Message
 from surae.inference.evidence import Subset, inverse_of
 from surae.inference.least_squares.minimise import Outcome
 from surae.inference.least_squares.residuals import jacobian_root
-from surae.inference.noise import NoiseModel, mean_noise
 from surae.inference.posterior import laplace
 from surae.inference.posterior.conflict import (
     FAR_ZERO,
@@ -96,7 +95,7 @@ def summed(
             outcome=outcome if finite else str(Outcome.NOT_FINITE),
             candidates=_candidates(chosen.sets, values),
             beliefs=FrozenDict(post.beliefs),
-            noise=_noise(post),
+            noise=post.noise,
             films=tuple(film.noise for each in post.latents for film in each.films),
             each=FrozenDict(
                 zip(post.per_recording, map(tuple, post.each(point.z).T.tolist()), strict=True)
@@ -130,7 +129,7 @@ def _shifts(
     shifts["model"] = np.concatenate([departures, laplace.dynamics(post, V, beta, unheard=False)])
     if original.has_unheard:
         shifts["unheard"] = laplace.dynamics(post, V, beta, unheard=True)
-    shifts["trials"] = laplace.between_trials(post.by_recording(blocks), V)
+    shifts["trials"] = laplace.between_trials(blocks, V)
     if lost := max(recording.emg_lost for recording in family.inputs):
         heard = [float(name in original.spec.weights) for name in post.of]
         shifts["emg_band"] = lost * np.array([heard])
@@ -181,7 +180,7 @@ def _each(post: LogPosterior, point: Point, change: FloatArray) -> tuple[OfRecor
     own = []
     prior = post.weight**2
     leg = {n: j for j, n in enumerate(post.problem.free) if group_of(n) is None}
-    for b in post.by_recording(point.blocks):
+    for b in point.blocks:
         V = inverse_of(b.H + np.diag(prior))
         z = point.z - V @ (b.g + prior * (point.z - post.mean))
         sd = np.sqrt(np.diag(change @ V @ change.T))
@@ -189,14 +188,6 @@ def _each(post: LogPosterior, point: Point, change: FloatArray) -> tuple[OfRecor
         sems = {n: float(sd[j]) for n, j in leg.items()}
         own.append(OfRecording(FrozenDict({n: values[n] for n in leg}), FrozenDict(sems)))
     return tuple(own)
-
-
-def _noise(post: LogPosterior) -> tuple[NoiseModel, ...]:
-    """The noise of each recording, of a long one the mean of its blocks'."""
-    each: list[list[NoiseModel]] = [[] for _ in range(post.count)]
-    for noise, number in zip(post.noise, post.recordings, strict=True):
-        each[number].append(noise)
-    return tuple(map(mean_noise, each))
 
 
 def _gained(post: LogPosterior, point: Point) -> tuple[float, ...]:
@@ -216,7 +207,7 @@ def _natural(post: LogPosterior, point: Point) -> FloatArray:
     for j, (name, scale) in enumerate(zip(post.names, post.scale(point.z), strict=True)):
         change[free.index(name), j] = scale
     for j in range(len(post.names), len(point.z)):  # their mean
-        change[free.index(post.of[j]), j] = 1.0 / post.count
+        change[free.index(post.of[j]), j] = 1.0 / len(post.problem.inputs)
     return change
 
 

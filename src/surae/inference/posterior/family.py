@@ -14,7 +14,7 @@ from surae.base.names import GEOMETRY_OF
 from surae.inference.coordinates import is_straight
 from surae.inference.least_squares.fit import fit_problem
 from surae.inference.least_squares.starts import Follow
-from surae.inference.noise import NoiseModel, mean_noise
+from surae.inference.noise import NoiseModel
 from surae.inference.population_priors import WIDENED, wide_priors
 from surae.inference.posterior.expected_drives import expected_drives
 from surae.inference.posterior.film import names_of_film
@@ -29,7 +29,6 @@ from surae.model.source import Gaussian
 from surae.model.source_table import GEAR
 from surae.model.symmetry import GROUPS, bend_of_work, length_at_rest
 from surae.signals import ModelInputs, emg_levels, emg_sizes, quiet_levels, steady_emg
-from surae.signals.blocks import RecordingBlock, cut, telling
 from surae.signals.prepare import sharpened
 from surae.signals.resample import thinned, thinning_factor
 
@@ -121,29 +120,6 @@ class Family:
             )
         return self._thinned[rate_hz]
 
-    def _parts(self, rate_hz: float) -> list[RecordingBlock]:
-        """The recordings at a rate, long ones as blocks: at the first rate a few of them."""
-        made: list[RecordingBlock] = []
-        pairs = zip(self.at_rate(rate_hz), self.original.inputs, strict=True)
-        for number, (given, whole) in enumerate(pairs):
-            parts = cut(given, number, whole.n / whole.rate_hz)
-            made += telling(parts) if rate_hz <= FIRST_HZ else parts
-        return made
-
-    def _of_parts(
-        self, noise: Sequence[NoiseModel], parts: Sequence[RecordingBlock]
-    ) -> tuple[NoiseModel, ...]:
-        """The noise of each part, where that of recordings or of some of their parts is known."""
-        if len(noise) == len(parts):
-            return tuple(noise)
-        numbers: list[int] = [part.number for part in self._parts(FIRST_HZ)]
-        if len(noise) == len(self.inputs):
-            numbers = [*range(len(noise))]
-        return tuple(
-            mean_noise([n for n, of in zip(noise, numbers, strict=True) if of == part.number])
-            for part in parts
-        )
-
     def inputs_with_steps(self) -> tuple[ModelInputs, ...]:
         """The recordings as they were given, with the account of what was fitted of them."""
         pairs = zip(self.inputs, self.at_rate(RATE_HZ), self.original.inputs, strict=True)
@@ -179,12 +155,10 @@ class Family:
             inputs = of.problem.inputs
             latents = of.latents
         else:
-            parts = self._parts(rate_hz)
-            noise = self._of_parts(noise, parts)
-            inputs = tuple(expected_drives(part.inputs) for part in parts)
+            inputs = tuple(expected_drives(recording) for recording in self.at_rate(rate_hz))
             latents = tuple(
-                Latents.of(r, self._silent, part.seconds, perfect=self.is_perfect, part=part)
-                for r, part in zip(inputs, parts, strict=True)
+                Latents.of(r, self._silent, whole.n / whole.rate_hz, perfect=self.is_perfect)
+                for r, whole in zip(inputs, self.original.inputs, strict=True)
             )
         original = self.original
         beliefs = {

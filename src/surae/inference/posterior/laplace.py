@@ -30,8 +30,6 @@ _RELEASED = 0.10
 _UNHEARD = 0.10
 #: Standard deviations of f0, β or bandwidth by which another filter would be seen.
 _TELLS = 2.0
-#: What is the same in all blocks of a recording: what no model has.
-_SAME = ("misfit", "softening")
 #: What the latents are called among the sources.
 _CALLED = {
     "gain": "emg_gain",
@@ -67,33 +65,10 @@ def shifts_by_source(
     sd = np.sqrt(np.diag(V))
     for source, C in latent.items():
         if C.any():
-            more = _same_in_blocks(posterior, blocks, V, source) if source in _SAME else 0.0
-            shifts[_CALLED.get(source, "emg_noise")] = root(C + more, sd)
+            shifts[_CALLED.get(source, "emg_noise")] = root(C, sd)
             total = total + C
     shifts["noise"] = root(V - total, sd)
     return shifts
-
-
-def _same_in_blocks(
-    posterior: LogPosterior, blocks: Sequence[Block], V: FloatArray, source: str
-) -> FloatArray:
-    """What is added to the covariance by a source that is one in all blocks of a recording, (q, q).
-
-    Each block's values have a prior P of their own, and move estimates by S_b: they count as
-    Σ S_bᵀ·P·S_b. They are the same in truth, and move them together by Σ S_b, which no length of a
-    recording makes less.
-    """
-    added = np.zeros_like(V)
-    together: dict[int, FloatArray] = {}
-    for number, b in enumerate(blocks):
-        if posterior.problem.inputs[number].block_of is None:
-            continue
-        at = posterior.latents[number].slices[source]
-        moved = np.linalg.cholesky(posterior.precisions[number][at, at]).T @ b.solved[at] @ V
-        of = posterior.recordings[number]
-        together[of] = together[of] + moved if of in together else moved
-        added -= moved.T @ moved
-    return added + sum((own.T @ own for own in together.values()), np.zeros_like(V))
 
 
 def softened(posterior: LogPosterior, point: Point, V: FloatArray) -> list[tuple[float, float]]:
@@ -101,11 +76,8 @@ def softened(posterior: LogPosterior, point: Point, V: FloatArray) -> list[tuple
 
     Of the muscle group that tells it best, as a part of its torque.
     """
-    found: list[tuple[float, float]] = []
-    each = zip(point.c, point.blocks, posterior.latents, posterior.recordings, strict=True)
-    for c, b, latents, number in each:
-        if number < len(found):  # a later block: softer when the recording began
-            continue
+    found = []
+    for c, b, latents in zip(point.c, point.blocks, posterior.latents, strict=True):
         at = latents.slices["softening"]
         own = cho_solve(b.factor, np.eye(len(c)))[at, at] + b.solved[at] @ V @ b.solved[at].T
         groups = np.repeat(np.eye(2), len(latents.softening), axis=1)  # all of it at no travel

@@ -22,7 +22,6 @@ from surae.inference.posterior.film import FilmView, hats, slices_of, views
 from surae.model.activation import IntArray
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs, smooth_effort
-from surae.signals.blocks import RecordingBlock
 
 #: Correlation time and distance of the hats [s]: of an electrode's gain, and of the torque's zero.
 GAIN_S = 6.0
@@ -61,18 +60,11 @@ class Latents:
 
     @classmethod
     def of(
-        cls,
-        recording: ModelInputs,
-        silent: frozenset[str],
-        seconds: float,
-        *,
-        perfect: bool,
-        part: RecordingBlock | None = None,
+        cls, recording: ModelInputs, silent: frozenset[str], seconds: float, *, perfect: bool
     ) -> "Latents":
-        """The latents of a recording that lasts so long before it is thinned, or of its `part`.
+        """The latents of a recording that lasts so long before it is thinned.
 
-        What no model has, and what softens, is of a part as it is of the whole. Muscles that are
-        silent, and all of a `perfect` laboratory, have no gain.
+        Muscles that are silent, and all of a `perfect` laboratory, have no gain.
         """
         muscles = tuple(
             i
@@ -81,9 +73,8 @@ class Latents:
         )
         gain, at_gain = _hats_over_time(recording, seconds, GAIN_STEP_S)
         drift, at_drift = _hats_over_time(recording, seconds, DRIFT_STEP_S)
-        whole, at = (recording, slice(None)) if part is None else (part.whole, part.at)
-        misfit = _hats_over_movement(whole)[:, at]
-        softening = _left_to_soften(whole)[:, at]
+        misfit = _hats_over_movement(recording)
+        softening = _left_to_soften(recording)
         sizes = (len(muscles) * len(gain), len(drift), 2 * len(misfit), 2 * len(softening))
         ends = np.cumsum(sizes)
         slices = {

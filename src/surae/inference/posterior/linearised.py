@@ -31,8 +31,7 @@ from surae.model.activation import IntArray
 from surae.model.muscle_tendon import Tangent
 from surae.signals import ModelInputs
 
-#: Points that are kept of each recording: the best one, and the one that is tried. Of long ones'
-#: blocks the rows are not, and what was simulated neither.
+#: Points that are kept of each recording: the best one, and the one that is tried.
 _KEPT = 2
 #: Active state over which it reaches zero in a search [N]: resting muscles cross zero at one value
 #: of crosstalk or of EMG at rest, at which the model's kink would stop it.
@@ -58,16 +57,8 @@ class SensorRows:
         self.by_c = whole[q:-1]
         self.residual = whole[-1]
         self._muscles = len(latents.muscles)
-        self._n = whole.shape[1]
         #: Rows that stay as they are for as long as a descent lasts: by all latents but the gains.
         self.still = slice(q + latents.slices["drift"].start, len(whole) - 1)
-
-    def reduce(self, *, fast: bool) -> None:
-        """Form all products, with those of fast columns where there are any; the rows go."""
-        _ = self.products
-        if fast:
-            _ = self.band, self.border, self.still_border
-        self.whole = self.by_z = self.by_c = self.residual = np.zeros((0, 0))
 
     def columns(self) -> "SensorRows":
         """The fast columns alone, with their products, which other points share."""
@@ -91,7 +82,7 @@ class SensorRows:
 
     def lifted(self, heights: FloatArray) -> FloatArray:
         """What fast gains of these heights, (k, d), move, shape (n, d)."""
-        moved = np.zeros((self._n, heights.shape[1]))
+        moved = np.zeros((self.whole.shape[1], heights.shape[1]))
         lifted(self.fast, self.first, heights, moved)
         return moved
 
@@ -157,10 +148,7 @@ class Observed:
         self._noise: list[list[SensorRows]] = []
         self._kept: list[deque[tuple[bytes, list[SensorRows]]]] = []
         #: What was simulated last, from which other latents and another descent are made too.
-        self._seen = [
-            deque[tuple[bytes, _Seen]](maxlen=_KEPT if each.block_of is None else 0)
-            for each in self._inputs
-        ]
+        self._seen = [deque[tuple[bytes, _Seen]](maxlen=_KEPT) for _ in self._inputs]
         self.anew()
 
     def anew(self) -> None:
@@ -182,7 +170,7 @@ class Observed:
         simulator = self._simulators[number]
         recording = self._inputs[number]
         latents = self._latents[number]
-        values = self._at.values(z, self._at.recordings[number])
+        values = self._at.values(z, number)
         gain = latents.log_gain(c) if c.any() else None
         if self.expected and self.expected[number].any():
             quick = latents.fast.log_gain(self.expected[number], latents.muscles)
@@ -195,10 +183,7 @@ class Observed:
         return simulator, recording, latents, values
 
     def plain_residual(self, z: FloatArray, recording: ModelInputs, number: int) -> FloatArray:
-        """Modelled minus measured torque by the parameters alone [Nm], shape (n,).
-
-        The recording is whole, and `number` its own among the recordings.
-        """
+        """Modelled minus measured torque by the parameters alone [Nm], shape (n,)."""
         simulator: Any = self._spec.simulator(recording, self._at.problem.options)
         values = self._at.values(z, number)
         if "plate_give" in self._names:
@@ -212,26 +197,7 @@ class Observed:
 
     def rows(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> list[SensorRows]:
         """What moves the torque of a recording, weighted, then what moves each of its films."""
-        return (
-            self._rows(z, c, w, number)
-            if self._inputs[number].block_of is not None
-            else list(_known(self._kept[number], (z, c, w), lambda: self._rows(z, c, w, number)))
-        )
-
-    def products(
-        self, z: FloatArray, c: FloatArray, w: FloatArray, number: int
-    ) -> list["SensorRows"]:
-        """As `rows`, of a block its products alone: they are all that normal equations need."""
-        if self._inputs[number].block_of is None:
-            return self.rows(z, c, w, number)
-
-        def light() -> list[SensorRows]:
-            each = self._rows(z, c, w, number)
-            for own in each:
-                own.reduce(fast=bool(len(w)))
-            return each
-
-        return list(_known(self._kept[number], (z, c, w), light))
+        return list(_known(self._kept[number], (z, c, w), lambda: self._rows(z, c, w, number)))
 
     def _simulated(self, z: FloatArray, c: FloatArray, number: int) -> "_Seen":
         """A recording at a point, but for what latents add to it."""
@@ -281,7 +247,7 @@ class Observed:
             whole *= root
             fast = fast * root[np.minimum(first[:, None] + np.arange(fast.shape[1]), n - 1)]
         each = [SensorRows(whole, q, fast, first, latents)]
-        by_name = at.by_name(z, at.recordings[number])
+        by_name = at.by_name(z, number)
         films = zip(latents.films, latents.own_of_films(), seen.rows[1:], strict=True)
         for film, where, rows in films:
             names = names_of_film(film.channel)
@@ -355,9 +321,8 @@ def _known(kept: deque[Any], at: Sequence[FloatArray], make: Callable[[], Any]) 
     for known, made in kept:
         if known == key:
             return made
-    made = make()
-    kept.append((key, made))
-    return made
+    kept.append((key, make()))
+    return kept[-1][1]
 
 
 def _short(hats: FloatArray) -> tuple[IntArray, FloatArray]:

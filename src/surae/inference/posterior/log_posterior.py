@@ -203,7 +203,7 @@ class LogPosterior(Coordinates):
         total = self.laplace(point).solved()[0]
         for number, b in enumerate(point.blocks):
             films = self.latents[number].films
-            counts = self.problem.inputs[number].counted, *(len(film.length) for film in films)
+            counts = self.problem.inputs[number].n, *(len(film.length) for film in films)
             total += float(np.dot(counts, np.log(self.variances(number))))
             total += b.log_width
             total -= np.linalg.slogdet(self.precisions[number])[1]
@@ -218,14 +218,12 @@ class LogPosterior(Coordinates):
 
     def block(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> Block:
         """A recording's normal equations, its latents eliminated, the fast ones first."""
-        each = list(
-            zip(self.observed.products(z, c, w, number), self.variances(number), strict=True)
-        )
+        each = list(zip(self.observed.rows(z, c, w, number), self.variances(number), strict=True))
         P = self.precisions[number]
         H = np.sum([rows.products / variance for rows, variance in each], axis=0)
         if not np.isfinite(H).all():
             raise FloatingPointError
-        at = self.of_recording(self.recordings[number])
+        at = self.of_recording(number)
         m = len(c)
         q = len(at)
         H[q : q + m, q : q + m] += P
@@ -304,16 +302,6 @@ class LogPosterior(Coordinates):
         H = sum((b.H for b in blocks), np.zeros((q, q)))
         return H, sum((b.g for b in blocks), np.zeros(q))
 
-    def by_recording(self, blocks: Sequence[Block]) -> list[Block]:
-        """One of each recording: of a long one its first, with what all say together of z."""
-        made: list[Block] = []
-        for number, own in zip(self.recordings, blocks, strict=True):
-            if number == len(made):
-                made.append(own)
-            else:
-                made[-1] = replace(made[-1], H=made[-1].H + own.H, g=made[-1].g + own.g)
-        return made
-
     def covariance(self, point: Point) -> FloatArray:
         """Covariance of the searched coordinates, latents eliminated, shape (q, q)."""
         H, _ = self.reduced(point.blocks)
@@ -331,7 +319,8 @@ class LogPosterior(Coordinates):
     ) -> Point:
         """The mode that a point leads to; it ends where less than `tolerance` is to be gained."""
         z = np.clip(z, self.lower, self.upper)
-        c, w = self._begun(c, w)
+        c = self.still() if c is None else tuple(c)
+        w = self.expected() if w is None or self.fast is None or not len(w[0]) else tuple(w)
         self.observed.anew()
         here = self._point(z, c, w)
         spent = 0
@@ -380,18 +369,6 @@ class LogPosterior(Coordinates):
             damping = _damped(damping, part, begun, (here.cost - trial.cost) / predicted)
             here = trial
             self._tell(here)
-
-    def _begun(
-        self, c: Sequence[FloatArray] | None, w: Sequence[FloatArray] | None
-    ) -> tuple[tuple[FloatArray, ...], tuple[FloatArray, ...]]:
-        """Latents, then fast gains, with which a descent begins: these, or what is expected.
-
-        Of a search's first stages, which read some blocks of a recording, nothing is taken over.
-        """
-        c = self.still() if c is None or len(c) != len(self.latents) else tuple(c)
-        if w is None or self.fast is None or len(w) != len(self.latents) or not len(w[0]):
-            return c, self.expected()
-        return c, tuple(w)
 
     def _tell(self, point: Point) -> None:
         """Have a better point known."""

@@ -41,14 +41,9 @@ def simplest(family: Family) -> tuple[Mapping[str, float], float]:
 
 
 def followed(reached: Reached, inputs: Sequence[ModelInputs]) -> float:
-    """Part of the variance of the torque that parameters alone follow, latents left out.
-
-    Of whole recordings, or of what the posterior reads of them.
-    """
+    """Part of the variance of the torque that parameters alone follow, latents left out."""
     post, point = reached
-    numbers = post.recordings if len(inputs) == len(post.recordings) else range(len(inputs))
-    each = zip(inputs, numbers, strict=True)
-    left = [post.observed.plain_residual(point.z, r, number) for r, number in each]
+    left = [post.observed.plain_residual(point.z, r, i) for i, r in enumerate(inputs)]
     return explained(inputs, left)
 
 
