@@ -7,7 +7,8 @@ import pytest
 
 from surae.base.frozen import read_only
 from surae.inference import Grade, Verdict, assess, fit_problem, make_problem
-from surae.inference.judging.adequacy import _is_odd, judge_adequacy, structure
+from surae.inference.judging.adequacy import _is_odd, doubted, judge_adequacy, structure
+from surae.inference.judging.reasons import OF_OTHER_TRIALS, against
 from surae.model.source import Gaussian
 from surae.quality.finding import Finding, Quality
 
@@ -62,6 +63,17 @@ def test_a_recording_that_is_not_what_its_file_says_is_said_so(noisy, code, seve
     assert stands == (code == "position-steps" and severity == "error")
     identified = any(p.verdict is Verdict.IDENTIFIED for p in worth.parameters.values())
     assert identified == (grade is not Grade.INADEQUATE)
+
+
+def test_what_other_trials_say_takes_no_error_of_its_own_recordings_away(noisy) -> None:
+    """Nor is it said twice; of a trial that is no longer in the folder it goes."""
+    found = Finding("position-steps", "error", "angle", 0.0, 1.0, None, "", "found", "do")
+    alone = judge_adequacy(fitted_to(noisy), [Quality("walk", (found,))])
+    own, other = (against("error-stands", trial=n, what="found") for n in ("walk", "hold"))
+    both = doubted(alone, (own, other), OF_OTHER_TRIALS, ["walk"])
+    assert [r.values["trial"] for r in both.against] == ["walk", "hold"]
+    assert doubted(both, (), OF_OTHER_TRIALS, ["walk"]) == alone
+    assert alone.grade is Grade.DOUBTFUL
 
 
 def test_turned_torque_is_inadequate(noisy):

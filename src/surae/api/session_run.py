@@ -222,7 +222,8 @@ class _Run:
             ((name, fit),) = self.fits.items()
         if fit is None:
             return
-        trials = self._asked(fit, self.joined if self.joint else (name,))
+        recordings = self.joined if self.joint else (name,)
+        trials = self._asked(fit, recordings)
         errors = {
             trial.name: str(finding.message)
             for trial in self.session.trials
@@ -231,7 +232,7 @@ class _Run:
             and (finding := self._wrong(trial.name)) is not None
         }
         reasons = disagreements(fit, trials, self.fits, errors) + _apart(self.fits, self.joint)
-        judged = doubted(fit.adequacy, reasons, OF_OTHER_TRIALS)
+        judged = doubted(fit.adequacy, reasons, OF_OTHER_TRIALS, recordings)
         if judged == fit.adequacy:
             return
         fit = replace(fit, assessment=replace(fit.assessment, adequacy=judged))

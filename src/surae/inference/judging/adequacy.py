@@ -356,10 +356,28 @@ def judge_prediction(
     return _graded(reasons, r2)
 
 
-def doubted(adequacy: Adequacy, reasons: Sequence[Reason], codes: Collection[str]) -> Adequacy:
-    """The judgement with what other trials of the leg say against it, as the only such `codes`."""
-    own = [reason for reason in adequacy.against if reason.code not in codes]
-    return _graded([*own, *reasons], adequacy.r2)
+def doubted(
+    adequacy: Adequacy,
+    reasons: Sequence[Reason],
+    codes: Collection[str],
+    recordings: Sequence[str] = (),
+) -> Adequacy:
+    """The judgement with what other trials of the leg say against it, as the only such `codes`.
+
+    An error that stands in one of the fit's `recordings` is not of another trial, and is said once.
+    """
+
+    def is_own(reason: Reason) -> bool:
+        return reason.code in OF_RECORDINGS and reason.values.get("trial") in recordings
+
+    before = [each for each in adequacy.against if each.code not in codes or is_own(each)]
+    known = {(each.code, each.values["trial"]) for each in before if is_own(each)}
+    more = [
+        each
+        for each in reasons
+        if not is_own(each) or (each.code, each.values["trial"]) not in known
+    ]
+    return _graded([*before, *more], adequacy.r2)
 
 
 def structure(inputs: Sequence[ModelInputs], residuals: Sequence[FloatArray]) -> float:

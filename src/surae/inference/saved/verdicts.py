@@ -57,7 +57,9 @@ def as_judged(now: Assessment, data: Mapping[str, Any]) -> Assessment:
     saved = from_plain(_Judged, data)
     version = cleaned(saved.judged_by or saved.surae, _VERSION)
     differs = []
-    adequacy = doubted(now.adequacy, _of_other_trials(saved.adequacy.codes), OF_OTHER_TRIALS)
+    others = _of_other_trials(saved.adequacy.codes)
+    names = [each.name for each in now.recordings]
+    adequacy = doubted(now.adequacy, others, OF_OTHER_TRIALS, names)
     if saved.adequacy.grade != adequacy.grade:
         grade = saved.adequacy.grade
         differs.append(f"the fit is {adequacy.grade}, not {grade}")
