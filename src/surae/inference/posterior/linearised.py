@@ -64,7 +64,8 @@ class SensorRows:
         """The fast columns alone, with their products, which other points share."""
         _ = self.band
         alone = copy(self)
-        alone.whole = alone.by_z = alone.by_c = alone.residual = np.zeros((0, 0))
+        alone.whole = alone.by_z = alone.by_c = np.zeros((0, 0))
+        alone.residual = self.residual.copy()
         return alone
 
     @cached_property
@@ -82,7 +83,7 @@ class SensorRows:
 
     def lifted(self, heights: FloatArray) -> FloatArray:
         """What fast gains of these heights, (k, d), move, shape (n, d)."""
-        moved = np.zeros((self.whole.shape[1], heights.shape[1]))
+        moved = np.zeros((len(self.residual), heights.shape[1]))
         lifted(self.fast, self.first, heights, moved)
         return moved
 
