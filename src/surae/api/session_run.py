@@ -36,7 +36,7 @@ from surae.quality import Finding, Quality
 from surae.report.leg_cards import PASSIVE
 from surae.report.trials import contradictions
 from surae.settings import FitSettings
-from surae.signals import ModelInputs
+from surae.signals import ModelInputs, same_signals
 from surae.trials import (
     Crossed,
     Trial,
@@ -323,7 +323,7 @@ class _Run:
         same = (
             fit.result.versions.get("surae") == __version__
             and fit.settings == self.settings
-            and fit.result.problem.inputs == self._of(names)[0]
+            and _same_inputs(fit, self._of(names)[0])
         )
         return fit if same else None
 
@@ -442,14 +442,23 @@ def _apart(alone: Mapping[str, Fit], joint: Fit | None) -> tuple[Reason, ...]:
     return (against("apart", trial=found[names[0]][0], names=", ".join(names)),) if names else ()
 
 
+def _same_inputs(fit: Fit, inputs: Sequence[ModelInputs]) -> bool:
+    """Whether a fit is of these signals."""
+    fitted = fit.result.problem.inputs
+    return len(fitted) == len(inputs) and all(map(same_signals, fitted, inputs))
+
+
 def _crossed(fit: Fit, parts: Sequence[ModelInputs], fitted: bool) -> Crossed:
     """How a fit follows a trial, all parts of it together; one of its own as it was fitted."""
     moves = any(float(np.ptp(part.angle)) >= STILL for part in parts)
     grade = ""
     covers = None
     if fitted:
-        every = fit.result.problem.inputs
-        errors = [counted(part, fit.result.residuals[every.index(part)]) for part in parts]
+        pairs = list(zip(fit.result.problem.inputs, fit.result.residuals, strict=True))
+        errors = [
+            next(counted(own, left) for own, left in pairs if same_signals(own, part))
+            for part in parts
+        ]
     else:
         try:
             predictions = predict_others(fit.result, parts, fit.assessment.uncertainty)

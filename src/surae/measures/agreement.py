@@ -21,7 +21,7 @@ from surae.inference.uncertainty.combined import ZERO
 from surae.measures.compared import Quantity, common_end, quantities
 from surae.measures.compute import MeasurePoint, evaluate
 from surae.measures.table import DEFINITIONS
-from surae.signals import ModelInputs
+from surae.signals import ModelInputs, same_signals
 from surae.trials import Trial
 
 #: Ranges over which a relaxed torque is held against a fit's, and what each must span at least.
@@ -204,13 +204,15 @@ def _through(angle: FloatArray, torque: FloatArray) -> Student:
 
 def _followed(fit: AssessedFit, trial: AskedTrial) -> Iterator[tuple[ModelInputs, FloatArray]]:
     """Each part of a trial with the torque that the fit has of it [Nm], shape (n,)."""
-    own = fit.result.problem.inputs
+    pairs = list(zip(fit.result.problem.inputs, fit.result.residuals, strict=True))
     for number, part in enumerate(trial.parts):
         assert part.torque is not None
         if trial.predictions:
             yield part, trial.predictions[number].torque
-        elif part in own:
-            yield part, part.torque - fit.result.residuals[own.index(part)]
+            continue
+        for own, left in pairs:
+            if same_signals(own, part):
+                yield part, part.torque - left
 
 
 def _ranges(

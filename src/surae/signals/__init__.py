@@ -1,6 +1,13 @@
 """Recordings to model inputs: filters, resampling, derivatives."""
 
-from surae.signals.inputs import EmgReference, Film, ModelInputs, check_estimable, inputs_as_given
+from surae.signals.inputs import (
+    EmgReference,
+    Film,
+    ModelInputs,
+    check_estimable,
+    inputs_as_given,
+    same_signals,
+)
 from surae.signals.normalise import (
     emg_levels,
     emg_reference,
@@ -33,6 +40,7 @@ __all__ = [
     "normalised",
     "prepare",
     "quiet_levels",
+    "same_signals",
     "settled",
     "smooth_effort",
     "steady_emg",

@@ -1,7 +1,7 @@
 """What a model reads: signals on one uniform time axis, with everything that was done to them."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Literal
 
 import numpy as np
@@ -114,6 +114,14 @@ class ModelInputs(Comparable):
     def weights(self) -> FloatArray:
         """What each sample counts in a fit, 1 where there is no `weight`, shape (n,)."""
         return np.ones(self.n) if self.weight is None else self.weight
+
+
+def same_signals(one: ModelInputs, other: ModelInputs) -> bool:
+    """Whether both are the same signals, whatever is said of what was done to them.
+
+    A fit adds to what is said what it decimated.
+    """
+    return replace(one, steps=()) == replace(other, steps=())
 
 
 def inputs_as_given(
