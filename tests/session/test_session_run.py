@@ -15,8 +15,10 @@ from surae.api.sides import side_of
 from surae.base.errors import InputError
 from surae.base.frozen import read_only
 from surae.base.records import to_plain
+from surae.protocol import Protocol, generate
 from surae.report import block
 from surae.report.trials import crossed_section
+from surae.studies import virtual_subject, virtual_trial
 from surae.trials import Crossed, Effort
 
 pytestmark = pytest.mark.usefixtures("few")
@@ -49,6 +51,24 @@ def test_the_joint_fit_in_a_process_beside_is_the_same(done, leg, monkeypatch, l
     both = surae.session(leg).run(workers=2, **QUICK)
     assert both.rows() == result.rows()
     assert both.joint_predictions == result.joint_predictions
+
+
+def test_trials_above_the_rate_of_a_fit_are_found_in_it_and_kept(tmp_path):
+    """`auto` says in a fit's signals what it decimated: they are the trial's all the same."""
+    profile = Protocol(profile="sine", passive_seconds=4.0, rate_hz=128.0)
+    trial = virtual_trial(virtual_subject(3), generate(profile), noise=0.05)
+    columns = np.column_stack([trial.time, trial.angle, trial.torque, trial.emg])
+    head = "# emg: envelope\ntime_s,angle_rad,torque_Nm,emg_ta_V,emg_gl_V,emg_sol_V,emg_gm_V"
+    for name in ("one", "two"):
+        np.savetxt(tmp_path / f"{name}.csv", columns, "%.9g", ",", header=head, comments="")
+    session = surae.session([tmp_path / "one.csv", tmp_path / "two.csv"])
+    first = session.run(output=tmp_path / "OUT", nuisances="none")
+    (fitted,) = first.fits["one"].result.problem.inputs
+    assert any("64 Hz" in step for step in fitted.steps)
+    assert first.predictions["one"]["one"].fitted
+    seconds = {name: fit.result.seconds for name, fit in first.fits.items()}
+    again = session.run(output=tmp_path / "OUT", nuisances="none")
+    assert {name: fit.result.seconds for name, fit in again.fits.items()} == seconds
 
 
 @pytest.mark.slow
