@@ -45,7 +45,7 @@ def test_one_parameter_has_the_posterior_of_a_quadrature(one, prior):
     found = sample(one, **MANY, priors=known)
     assert found.status == "reliable", found.message
     residuals, estimate = Residuals(one.problem), one.values["f0"]
-    grid = np.linspace(0.98 * estimate, 1.08 * estimate, 401)
+    grid = np.linspace(0.95 * estimate, 1.15 * estimate, 1001)
     sse = np.array([np.sum(residuals.data_rows(np.array([x]))[-1] ** 2) for x in grid])
     median, spread = prior or (1.96, 0.375)
     logarithm = -one.problem.n / 2 * np.log(sse) - (np.log(grid / median) / spread) ** 2 / 2

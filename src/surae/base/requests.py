@@ -243,7 +243,6 @@ class ChangeSettings(Request):
         'the full level; all else is exploratory. ``"strength"`` is that of both muscle groups.',
         option="question",
         metavar="NAME",
-        help="What was asked beforehand, as torque_rise, slow_stiffness@10deg or strength; may be "
-        "repeated. "
-        "All else is exploratory.",
+        help="What was in question beforehand: torque_rise, slow_stiffness@10deg, strength …; may "
+        "be repeated. All else is exploratory.",
     )

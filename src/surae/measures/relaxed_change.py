@@ -43,6 +43,7 @@ _KINDS = {
     "relaxed/reflex": "reflex",
 }
 _SHARED = ("plate", "reflex")
+#: Probability that one visit has it and the other not, above which it does not cancel.
 _UNLIKE = 0.1
 #: Times by which an electrode may show more at one visit than at the other, of rest that is only
 #: declared: amplifiers and skin differ by less, a tone of a Nm shows more; assumed.

@@ -13,6 +13,7 @@ from surae.measures.course import FEWEST, Series, trend_of
 from surae.measures.difference import ChangeVerdict, Difference, sentence_of
 from surae.measures.reliability import SCATTER
 
+#: Degrees of freedom of what is known as well as the normal distribution.
 _MANY = 1e9
 
 

@@ -43,6 +43,7 @@ LOOKED_AT = 2000
 _UNEVEN = 0.5
 
 
+#: Seconds of a day.
 _DAY = 86400.0
 _Key = TypeVar("_Key")
 

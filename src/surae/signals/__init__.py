@@ -20,7 +20,7 @@ from surae.signals.normalise import (
     steady_emg,
 )
 from surae.signals.prepare import prepare
-from surae.signals.resample import thinned, thinning_factor
+from surae.signals.resample import sampled, thinned, thinning_factor
 from surae.signals.settings import Preparation
 from surae.signals.weighting import Weighting, settled, weighted
 
@@ -41,6 +41,7 @@ __all__ = [
     "prepare",
     "quiet_levels",
     "same_signals",
+    "sampled",
     "settled",
     "smooth_effort",
     "steady_emg",

@@ -131,6 +131,35 @@ def thinned(inputs: ModelInputs, factor: int) -> ModelInputs:
     )
 
 
+def sampled(inputs: ModelInputs, factor: int) -> ModelInputs:
+    """Every `factor`-th sample of the inputs, for a look in which only valleys are told apart.
+
+    Motion and torque are taken as they are, however fast: a model's torque bends with them, and of
+    filtered motion it has other valleys. EMG is averaged over the samples around each kept instant,
+    which a low-pass activation filter cannot tell from the whole. Samples that do not fill the last
+    group are left out.
+    """
+    from scipy.ndimage import correlate1d
+
+    around = np.ones(factor if factor % 2 else factor + 1)
+    if factor % 2 == 0:
+        around[[0, -1]] = 0.5
+
+    def every(signal: FloatArray) -> FloatArray:
+        return read_only(signal[factor // 2 : inputs.n // factor * factor : factor])
+
+    names = ("time", "angle", "velocity", "acceleration", "torque", "weight")
+    given = {name: getattr(inputs, name) for name in names}
+    thin: dict[str, Any] = {name: every(each) for name, each in given.items() if each is not None}
+    return replace(
+        inputs,
+        **thin,
+        rate_hz=inputs.rate_hz / factor,
+        emg=every(correlate1d(inputs.emg, around / factor, axis=0, mode="nearest")),
+        second=tuple(map(every, inputs.second)),
+    )
+
+
 def _bridged(torque: FloatArray, counts: npt.NDArray[np.bool_]) -> FloatArray:
     """A torque whose samples that do not count lie on lines between those that do, shape (n,)."""
     if counts.all() or not counts.any():

@@ -17,7 +17,7 @@ from surae.inference.least_squares.residuals import Residuals, curved_move
 from surae.inference.least_squares.separable import scan_lengths, solve_linear
 from surae.inference.problem import FitProblem
 from surae.model import ModelSpec, get_model, with_optional
-from surae.signals import thinned, thinning_factor
+from surae.signals import sampled, thinning_factor
 
 #: A failed step ends the iteration when no more than this many noise variances are to be gained:
 #: estimates within a third (√0.1) of a standard error of the minimum. On thinned data less will do.
@@ -213,7 +213,7 @@ def _first_look(problem: FitProblem, whole: Residuals, follow: Follow | None) ->
 
 def _thinned(problem: FitProblem, rate_hz: float) -> FitProblem:
     """The problem with fewer samples, or as it is where too few of them would count."""
-    inputs = [thinned(r, thinning_factor(r, rate_hz, _THIN_SAMPLES)) for r in problem.inputs]
+    inputs = [sampled(r, thinning_factor(r, rate_hz, _THIN_SAMPLES)) for r in problem.inputs]
     thin = replace(problem, inputs=tuple(inputs))
     return thin if thin.n > len(problem.free) else problem
 
