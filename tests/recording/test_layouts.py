@@ -360,9 +360,10 @@ def test_text_exports_of_programs_are_read_with_names_units_and_rates(file, text
     assert not is_mapping(open_source(path))
     found = inspect(path)
     assert {r: c.column for r, c in found.roles.items()} == {
-        "angle": "Angle", "torque": "Torque",
+        "angle": "Angle",
+        "torque": "Torque",
         **{f"emg_{m.lower()}": m for m in MUSCLES},
-    }  # fmt: skip
+    }
     settle = (
         []
         if found.roles["angle"].known_unit
@@ -412,10 +413,14 @@ def test_titles_of_spike2_say_the_roles(file):
     units = ("deg", "N m", "mV", "mV", "mV", "mV")
     channels = {
         f"S01_Ch{k + 1}": {
-            "title": title, "units": unit, "interval": 1 / RATE, "start": 0.0, "values": DATA[:, k]
+            "title": title,
+            "units": unit,
+            "interval": 1 / RATE,
+            "start": 0.0,
+            "values": DATA[:, k],
         }
         for k, (title, unit) in enumerate(zip(titles, units, strict=True))
-    }  # fmt: skip
+    }
     buffer = io.BytesIO()
     scipy.io.savemat(buffer, channels)
     found = inspect(file(buffer.getvalue(), "s.mat"))

@@ -177,7 +177,7 @@ def compare_sessions(
         drafts[name] = draft, freedom, doubt or ""
     if rest is not None:
         drafts = _with_rest(drafts, rest)
-    efforts = {name: (_of_strength(each), _MANY, "") for name, each in strength.items()}
+    efforts = {name: (_unjudged(each, "effort"), _MANY, "") for name, each in strength.items()}
     drafts = {**drafts, **efforts}
     judged, counts = all_judged(drafts, asked_of(question, drafts), legs=legs)
     measures, parameters = (
@@ -233,6 +233,12 @@ def _with_rest(
 
 def _of_rest(d: RestDifference) -> Difference:
     """A difference that rest tells, not yet judged."""
+    made = _unjudged(d, "rest")
+    return replace(made, from_deg=d.from_deg, to_deg=d.to_deg, ci95_device=d.ci95_device)
+
+
+def _unjudged(d: RestDifference | StrengthDifference, basis: str) -> Difference:
+    """A difference that an estimate of both sessions brings, with its p-value and no verdict."""
     p = None
     if d.difference is not None and d.sd is not None:
         p = Student(d.difference, d.sd, _MANY).p
@@ -249,32 +255,7 @@ def _of_rest(d: RestDifference) -> Difference:
         None,
         ChangeVerdict.NOT_COMPARABLE,
         Message("change/not-comparable", why=d.missing) if d.missing else "",
-        d.from_deg,
-        d.to_deg,
-        d.ci95_device,
-        basis="rest",
-    )
-
-
-def _of_strength(d: StrengthDifference) -> Difference:
-    """A difference of strength, not yet judged."""
-    p = None
-    if d.difference is not None and d.sd is not None:
-        p = Student(d.difference, d.sd, _MANY).p
-    return Difference(
-        d.name,
-        d.unit,
-        d.meaning,
-        "measure",
-        d.before,
-        d.after,
-        d.difference,
-        d.ci95,
-        p,
-        None,
-        ChangeVerdict.NOT_COMPARABLE,
-        Message("change/not-comparable", why=d.missing) if d.missing else "",
-        basis="effort",
+        basis=basis,
     )
 
 
