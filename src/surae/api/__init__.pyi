@@ -38,7 +38,7 @@ from surae.api.relaxing import Relaxed as Relaxed
 from surae.api.relaxing import relaxed as relaxed
 from surae.api.session_result import SessionResult as SessionResult
 from surae.api.session_result import load_session as load_session
-from surae.api.session_run import Step as Step
+from surae.api.session_run.progress import Step as Step
 from surae.api.sessions import Session as Session
 from surae.api.sessions import session as session
 from surae.api.simulation import simulate as simulate
