@@ -44,7 +44,9 @@ CLASSES = {name: public for name, public in PUBLIC.items() if inspect.isclass(pu
 def members_of(public: type) -> dict[str, object]:
     """What a class has of its own, and of those that the public face makes it of."""
     parts = [each for each in public.__mro__ if each.__module__.startswith("surae.api.")]
-    return {name: value for each in (*parts, public) for name, value in vars(each).items()}
+    return {
+        name: value for each in (*reversed(parts), public) for name, value in vars(each).items()
+    }
 
 
 def functions() -> Iterator[tuple[str, Callable[..., object], bool]]:

@@ -14,7 +14,8 @@ from surae.base.names import LANGUAGES
 from surae.inference import Verdict
 from surae.inference.judging.adequacy import doubted
 from surae.inference.judging.reasons import OF_OTHER_TRIALS, OF_STIFFNESS, against
-from surae.measures.compute import measures_by_model, points
+from surae.measures.by_model import measures_by_model
+from surae.measures.points import points
 from surae.quality import Finding
 from surae.report.language import words_in
 from surae.report.leg_cards import share_words

@@ -3,7 +3,8 @@
 from surae.base.formatting import of_interval
 from surae.inference import AssessedFit
 from surae.measures import Measure
-from surae.measures.compute import judged_measures, points
+from surae.measures.compute import judged_measures
+from surae.measures.points import points
 from surae.measures.table import INVARIANT
 from surae.report import block
 
