@@ -13,7 +13,7 @@ from surae.measures.at_rest import rest_of_fit
 from surae.measures.conflict import LEVEL, compared_angles, disagreement
 from surae.measures.measure import Measure
 from surae.measures.points import Evaluated, MeasurePoint, evaluate
-from surae.measures.rest import RestMeasure
+from surae.measures.rest.judged import RestMeasure
 from surae.measures.table import DEFINITIONS
 
 #: How those begin that are of the fit's relaxed tissue.
