@@ -39,7 +39,7 @@ from surae.inference import ParameterEstimate as ParameterEstimate
 from surae.inference import Prediction as Prediction
 from surae.measures import Measure as Measure
 from surae.measures import Measures as Measures
-from surae.measures.change import Change as Change
+from surae.measures.change.result import Change as Change
 from surae.measures.package import measures as measures
 from surae.model import MODELS as MODELS
 from surae.model.options import ModelOptions as ModelOptions

@@ -69,7 +69,7 @@ from surae.inference.saved.parameters_json import read_parameters as read_parame
 from surae.measures import Measure as Measure
 from surae.measures import Measures as Measures
 from surae.measures import measures_of_values as measures_of_values
-from surae.measures.change import Change as Change
+from surae.measures.change.result import Change as Change
 from surae.measures.norms import placed as placed
 from surae.measures.norms import read_norms as read_norms
 from surae.model import MODELS as MODELS

@@ -25,7 +25,8 @@ from surae.base.normal import NORMAL, Student, standard_error_of
 from surae.base.records import Saved, to_plain
 from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
-from surae.measures.change import asked_of, compare_sessions
+from surae.measures.change.asked import asked_of
+from surae.measures.change.compare import compare_sessions
 from surae.measures.claims import false_discovery, holm
 from surae.measures.compared import Quantities, Quantity
 from surae.measures.table import LEADING
