@@ -22,9 +22,8 @@ import numpy as np
 
 import surae
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "legs" / "src"))
-sys.path.insert(0, str(ROOT / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "legs" / "src"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from ankle_legs.make import make
 from undrawn import blank_figures
 
