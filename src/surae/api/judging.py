@@ -261,12 +261,12 @@ def judge(
     >>> surae.judge("subjectCalibrated.xml").to_dataframe()
     """
     given = [results] if isinstance(results, str) or hasattr(results, "__fspath__") else results
-    if not len(given):  # type: ignore[arg-type]
+    if not len(given):
         raise InputError("no result is given; name one at least")
     began = None if generic is None else read_result(generic)
     made = []
-    for path in given:  # type: ignore[union-attr]
-        result = read_result(path, calibration=calibration)  # type: ignore[arg-type]
+    for path in given:
+        result = read_result(path, calibration=calibration)
         if began is not None:
             if not {v.muscle for v in result.values} & {v.muscle for v in began.values}:
                 raise InputError(

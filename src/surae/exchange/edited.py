@@ -180,28 +180,65 @@ def _spliced(data: bytes, changes: Sequence[_Change]) -> bytes:
 
 def _difference(data: bytes, changes: Sequence[_Change], name: str) -> str:
     """The changed lines with those around them, as ``diff -u`` shows them."""
-    old = data.decode("utf-8", "replace").splitlines(keepends=True)
-    lines = [f"--- {name}\n", f"+++ {name} with the leg\n"]
+    old = _lines(data)
+    made = [f"--- {name}\n", f"+++ {name} with the leg\n"]
     moved = 0
+    for hunk in _hunks(data, changes):
+        top = max(hunk[0].first - _CONTEXT, 0)
+        bottom = min(hunk[-1].last + _CONTEXT, len(old))
+        body = []
+        here = top
+        for each in hunk:
+            body += [f" {line}" for line in old[here : each.first]]
+            body += [f"-{line}" for line in old[each.first : each.last]]
+            body += [f"+{line}" for line in each.lines]
+            here = each.last
+        body += [f" {line}" for line in old[here:bottom]]
+        grown = sum(len(each.lines) - (each.last - each.first) for each in hunk)
+        size = bottom - top
+        made.append(f"@@ -{top + 1},{size} +{top + 1 + moved},{size + grown} @@\n")
+        made += body
+        moved += grown
+    return "".join(made)
+
+
+@dataclass(frozen=True, slots=True)
+class _NewLines:
+    """Lines of a file, from `first` to before `last`, that others take the place of."""
+
+    first: int
+    last: int
+    lines: list[str]
+
+
+def _hunks(data: bytes, changes: Sequence[_Change]) -> list[list[_NewLines]]:
+    """Changes by whole lines, those whose surroundings meet together."""
+    spans: list[tuple[int, int, list[_Change]]] = []
     for change in changes:
         begin = data.rfind(b"\n", 0, change.start) + 1
-        ending = data.find(b"\n", change.end)
-        ending = len(data) if ending < 0 else ending + 1
+        ending = data.find(b"\n", change.end) + 1 or len(data)
+        if spans and begin < spans[-1][1]:  # on a line that another changes too
+            begin, _, before = spans.pop()
+            spans.append((begin, ending, [*before, change]))
+        else:
+            spans.append((begin, ending, [change]))
+    hunks: list[list[_NewLines]] = []
+    for begin, ending, within in spans:
         first = data.count(b"\n", 0, begin)
-        gone = data.count(b"\n", begin, ending)
-        new = data[begin : change.start] + change.text + data[change.end : ending]
-        fresh = new.decode("utf-8", "replace").splitlines(keepends=True)
-        top = max(first - _CONTEXT, 0)
-        bottom = min(first + gone + _CONTEXT, len(old))
-        size = bottom - top
-        grown = len(fresh) - gone
-        lines.append(f"@@ -{top + 1},{size} +{top + 1 + moved},{size + grown} @@\n")
-        lines += [f" {line}" for line in old[top:first]]
-        lines += [f"-{line}" for line in old[first : first + gone]]
-        lines += [f"+{line}" for line in fresh]
-        lines += [f" {line}" for line in old[first + gone : bottom]]
-        moved += grown
-    return "".join(lines)
+        last = first + len(_lines(data[begin:ending]))
+        moved = [_Change(c.start - begin, c.end - begin, c.text) for c in within]
+        fresh = _NewLines(first, last, _lines(_spliced(data[begin:ending], moved)))
+        if hunks and first - hunks[-1][-1].last <= 2 * _CONTEXT:
+            hunks[-1].append(fresh)
+        else:
+            hunks.append([fresh])
+    return hunks
+
+
+def _lines(data: bytes) -> list[str]:
+    """Lines with their ends; only a line feed ends one."""
+    parts = data.decode("utf-8", "replace").split("\n")
+    return [f"{part}\n" for part in parts[:-1]] + ([parts[-1]] if parts[-1] else [])
 
 
 def changed(leg: LegForModel) -> list[tuple[str, str, str, str]]:

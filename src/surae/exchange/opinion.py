@@ -87,10 +87,10 @@ def _limit(value: ForeignValue) -> Iterable[Remark]:
     near = AT_LIMIT * (high - low)
     for end, which in ((low, "lower"), (high, "upper")):
         if abs(value.value - end) <= near:
-            yield Remark("at-limit", Message(f"opinion/at-limit-{which}", limit=f"{end:.4g}"))
+            yield Remark("at-limit", Message(f"opinion/at-limit-{which}", limit=end))
             return
         if (which == "lower" and value.value < end) or (which == "upper" and value.value > end):
-            yield Remark("at-limit", Message("opinion/beyond-limit", limit=f"{end:.4g}"))
+            yield Remark("at-limit", Message("opinion/beyond-limit", limit=end))
             return
 
 
@@ -107,7 +107,7 @@ def _origin(value: ForeignValue) -> Iterable[Remark]:
     ratio = value.value / began
     plain = round(ratio / _PLAIN) * _PLAIN
     if plain > 0.0 and abs(ratio - plain) <= PLAIN * plain and _is_anatomy(value):
-        yield Remark("plain-part", Message("opinion/plain-part", part=f"{plain:.4g}"))
+        yield Remark("plain-part", Message("opinion/plain-part", part=plain))
 
 
 def _is_anatomy(value: ForeignValue) -> bool:
@@ -132,7 +132,7 @@ def _human(value: ForeignValue, mass: float | None) -> Iterable[Remark]:
     factor, unit = {"m": (1e3, "mm"), "s": (1e3, "ms"), "rad": (57.29577951308232, "°")}.get(
         value.unit, (100.0, "%")
     )
-    low, high = (f"{factor * end:.3g}" for end in ends)
+    low, high = (factor * end for end in ends)
     yield Remark("outside-human", Message("opinion/outside-human", low=low, high=high, unit=unit))
 
 
@@ -153,7 +153,7 @@ def _shared_ends(result: ForeignResult) -> Mapping[tuple[str, str], tuple[Remark
         for end, together in _ends(values):
             said = Remark(
                 "at-shared-end",
-                Message("opinion/at-shared-end", count=len(together), end=f"{end:.4g}"),
+                Message("opinion/at-shared-end", count=len(together), end=end),
             )
             remarks.update({(v.muscle, v.parameter): (said,) for v in together})
     return remarks
@@ -202,7 +202,7 @@ def _scaled_generic(
             if fibre.generic and tendon.generic and not same(fibre.value, fibre.generic):
                 scales = fibre.value / fibre.generic, tendon.value / tendon.generic
                 if same(*scales, by=PLAIN) and not same(scales[0], 1.0):
-                    said = Message("opinion/generic-scaled", model="", scale=f"{scales[0]:.3g}")
+                    said = Message("opinion/generic-scaled", model="", scale=scales[0])
                     pair = (Remark("generic-scaled", said),)
                     remarks[muscle, fibre.parameter] = remarks[muscle, tendon.parameter] = pair
             continue
@@ -212,7 +212,7 @@ def _scaled_generic(
             own_fibre, own_tendon, own_force = muscles[fibre.anatomy]
             scale = fibre.value / own_fibre
             if same(scale, tendon.value / own_tendon, by=PLAIN) and 0.5 < scale < 1.5:
-                said = Message("opinion/generic-of-model", model=model, scale=f"{scale:.3g}")
+                said = Message("opinion/generic-of-model", model=model, scale=scale)
                 pair = (Remark("generic-scaled", said),)
                 remarks[muscle, fibre.parameter] = remarks[muscle, tendon.parameter] = pair
                 force = of.get("max_isometric_force")

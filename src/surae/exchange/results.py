@@ -154,9 +154,9 @@ def _nmsm(root: Node, path: Path) -> ForeignResult:
         for tag, (name, factor, start, limits) in _NMSM.items():
             number = muscle.number(tag)
             if number is not None:
-                ends = (factor * end for end in limits)
+                low, high = (factor * end for end in limits)
                 values.append(
-                    ForeignValue(muscle.name, name, factor * number, factor * start, *ends)
+                    ForeignValue(muscle.name, name, factor * number, factor * start, low, high)
                 )
         for name, tags in _NMSM_LENGTHS.items():
             number = muscle.number(*tags)
@@ -175,7 +175,8 @@ def _scaled(muscle: str, name: str, number: float, generic: float | None) -> For
     """A length that NMSM scales, between its limits."""
     if generic is None or name == "max_isometric_force":
         return ForeignValue(muscle, name, number, generic)
-    return ForeignValue(muscle, name, number, generic, *(end * generic for end in _NMSM_SCALES))
+    low, high = (end * generic for end in _NMSM_SCALES)
+    return ForeignValue(muscle, name, number, generic, low, high)
 
 
 def _nmsm_table(data: bytes, where: str) -> ForeignResult:
@@ -194,8 +195,10 @@ def _nmsm_table(data: bytes, where: str) -> ForeignResult:
         for tag, number in zip(_NMSM_ROWS, numbers, strict=True):
             if tag in _NMSM:
                 name, factor, start, limits = _NMSM[tag]
-                ends = (factor * end for end in limits)
-                values.append(ForeignValue(muscle, name, factor * number, factor * start, *ends))
+                low, high = (factor * end for end in limits)
+                values.append(
+                    ForeignValue(muscle, name, factor * number, factor * start, low, high)
+                )
             else:  # the part of what it began from
                 values.append(ForeignValue(muscle, tag, number, 1.0, *_NMSM_SCALES))
     return ForeignResult("NMSM", where, tuple(values), notes=(Message("opinion/parts"),))

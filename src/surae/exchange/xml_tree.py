@@ -114,6 +114,8 @@ def parse_xml(data: bytes, where: str) -> Node:
         raise InputError(
             f"{where}: row {error.lineno}: not XML ({expat.ErrorString(error.code)})"
         ) from None
+    except InputError:
+        raise
     except (ValueError, LookupError):
         raise InputError(f"{where}: not XML: its encoding is not known; use UTF-8") from None
     return document.children[0]
