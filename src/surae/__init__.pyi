@@ -4,6 +4,7 @@ from surae._version import __version__ as __version__
 from surae.api import Comparison as Comparison
 from surae.api import Fit as Fit
 from surae.api import Relaxed as Relaxed
+from surae.api import SecondOpinion as SecondOpinion
 from surae.api import Session as Session
 from surae.api import SessionResult as SessionResult
 from surae.api import change as change
@@ -17,6 +18,7 @@ from surae.api import expect as expect
 from surae.api import export as export
 from surae.api import fit as fit
 from surae.api import impedance as impedance
+from surae.api import judge as judge
 from surae.api import load as load
 from surae.api import load_session as load_session
 from surae.api import measure_next as measure_next

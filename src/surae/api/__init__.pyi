@@ -25,6 +25,10 @@ from surae.api.fitting import fit_inputs as fit_inputs
 from surae.api.fitting import inputs_for as inputs_for
 from surae.api.fitting import load as load
 from surae.api.given import AnyRecording as AnyRecording
+from surae.api.into_model import ExportedIntoModel as ExportedIntoModel
+from surae.api.into_model import files_beside as files_beside
+from surae.api.judging import SecondOpinion as SecondOpinion
+from surae.api.judging import judge as judge
 from surae.api.perturbed import impedance as impedance
 from surae.api.perturbed import perturbation_page as perturbation_page
 from surae.api.perturbed import stretches as stretches
