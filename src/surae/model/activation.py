@@ -370,6 +370,18 @@ def _phi1(z: float) -> tuple[float, float]:
     return value, slope
 
 
+@inner
+def curved_over_effort(
+    envelope: float, smooth: float, reference: float, shape: float, power: float
+) -> float:
+    """One muscle's envelope of one sample, as `shaped` has it."""
+    u = smooth / reference
+    level = u * u + _SMALLEST_EFFORT**2
+    grown = 0.5 * math.log(level / (1.0 + _SMALLEST_EFFORT**2))
+    curved: float = envelope * _phi1(shape * u)[0] / _phi1(shape)[0] * math.exp(power * grown)
+    return curved
+
+
 @jit
 def shaped(
     envelopes: FloatArray, smooth: FloatArray, reference: FloatArray, shape: float, power: float
