@@ -158,6 +158,7 @@ from surae.report import check_report as check_report
 from surae.report import has_typst as has_typst
 from surae.report import part_of as part_of
 from surae.report import style as style
+from surae.report.beside import beside as beside
 from surae.report.cohort import cohort_report as cohort_report
 from surae.report.figures import new_figure as new_figure
 from surae.report.figures import png as png

@@ -1,4 +1,4 @@
-"""What excites the muscles at a sample, and their active states: `surae.model.excitation`, alone."""
+"""What excites the muscles at a sample, and their active states, as `surae.model.excitation`."""
 
 import math
 
@@ -19,7 +19,8 @@ def _kept(n: Record, s: Record, c: int) -> float:
         own += n.inverse[c, k] * (s.smooth[k, 2] ** 2 + 1e-300)
     part = own / power
     size = part * part + SILENT**2
-    return part * math.sqrt(math.sqrt((1.0 + SILENT**2) / size))
+    kept: float = part * math.sqrt(math.sqrt((1.0 + SILENT**2) / size))
+    return kept
 
 
 @inner
@@ -50,9 +51,7 @@ def own_envelopes(n: Record, s: Record) -> None:
 
 
 @inner
-def stretch_drive(
-    n: Record, group: int, length: float, speed: float
-) -> float:
+def stretch_drive(n: Record, group: int, length: float, speed: float) -> float:
     """What a reflex answers to speed, to length beyond slack and to the tissue's force."""
     gains = n.reflexes[group]
     drive = 0.0

@@ -52,9 +52,7 @@ def rigid_force(
         s.relaxation[group] = p[K_REL] / (1.0 + p[K_REL]) * elastic
     else:
         s.relaxation[group] = (
-            n.relax[0] * s.relaxation[group]
-            + n.relax[1] * s.elastic[group]
-            + n.relax[2] * elastic
+            n.relax[0] * s.relaxation[group] + n.relax[1] * s.elastic[group] + n.relax[2] * elastic
         )
     s.elastic[group] = elastic
     u = (length - p[L0]) / p[L0]

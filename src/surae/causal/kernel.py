@@ -65,6 +65,11 @@ def _limb(n: Record, s: Record, turn: tuple[float, float, float]) -> None:
 @inner
 def _doubt(n: Record, s: Record, terms: FloatArray) -> None:
     """Standard deviation of the torque: a quadratic form of what it is made of."""
+    for k in range(2):
+        if s.count == 0:
+            s.neural[k] = s.parts[2 + k]
+        s.neural[k] += n.effort_gain * (s.parts[2 + k] - s.neural[k])
+        s.neural_rate[k] = (s.parts[2 + k] - s.neural[k]) * n.effort_gain / n.dt
     doubt_terms(s, terms)
     total = n.noise * n.noise
     for j in range(DOUBT):
@@ -89,6 +94,8 @@ def doubt_terms(s: Record, terms: FloatArray) -> None:
         terms[9 + k] = parts[k] * s.angle
     terms[13] = parts[2] * s.velocity
     terms[14] = parts[3] * s.velocity
+    terms[15] = s.neural_rate[0]
+    terms[16] = s.neural_rate[1]
 
 
 @jit
@@ -115,7 +122,7 @@ def step(
         Of `surae.causal.layout.STATE`, shape (1,): is changed.
     room : tuple of ndarray
         Drives that are remembered, (4, d), what a drive that stays makes, (2,), and the terms of
-        the doubt, (15,): are changed.
+        the doubt, (17,): are changed.
     angle : float
         As it is measured [rad].
     emg : ndarray, shape (4,)
@@ -171,7 +178,7 @@ def run(
     signals: tuple[FloatArray, FloatArray],
     out: FloatArray,
 ) -> None:
-    """Many steps; `out`, shape (6 + 4 + 4 + 4 + 4 + 15, n), is filled with what each leaves.
+    """Many steps; `out`, shape (rows, n), is filled with what each leaves.
 
     Torque, its standard deviation, angle, speed, acceleration, and whether it failed; envelopes,
     their rates, effort and its rates of four muscles; terms of the doubt.

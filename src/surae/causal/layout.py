@@ -13,7 +13,9 @@ GROUP = 16
 #: Times with which a tissue's curve may relax.
 RELAXING = 8
 #: What a predicted torque's doubt is a quadratic form of, see `doubt_terms`.
-DOUBT = 15
+DOUBT = 17
+#: The first of these that is a torque [Nm].
+FIRST_TORQUE = 4
 #: Drives of each group: EMG, stretch. Stages of each sample: the first, the sample itself.
 DRIVES = 2
 STAGES = 2
@@ -95,6 +97,8 @@ STATE = (
     ("curve", "f8", (RELAXING,)),
     ("curve_first", "f8", ()),
     ("parts", "f8", (8,)),
+    ("neural", "f8", (2,)),
+    ("neural_rate", "f8", (2,)),
     ("torque", "f8", ()),
     ("sd", "f8", ()),
     ("failed", "i8", ()),

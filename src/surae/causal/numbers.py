@@ -74,8 +74,8 @@ def check_supported(spec: ModelSpec, options: ModelOptions) -> None:
         )
     if isinstance(options.geometry, GeometryTable) and options.geometry.second:
         raise InputError(
-            f"{options.geometry.name}: a geometry over a second angle has no causal predictor; give "
-            "its table with that joint held still"
+            f"{options.geometry.name}: a geometry over a second angle has no causal predictor; "
+            "give its table with that joint held still"
         )
 
 

@@ -5,28 +5,36 @@ from pathlib import Path
 import click
 
 from surae import api
+from surae.cli.export_predictor import PredictorOptions, predictor_options, write_predictor
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_files, show_line
 
 #: Formats and how their files end; written out so that help comes at once.
 _ENDINGS = {"osim": ".osim", "mjcf": ".xml"}
+#: A program in C instead of a model's file: what it is, and what it is written in.
+_PREDICTOR = ("predictor", "c")
 
 
 @click.command("export")
 @click.argument("fitted", metavar="FIT.json|DIR")
 @click.option(
     "--to",
-    type=click.Choice(list(_ENDINGS)),
+    type=click.Choice([*_ENDINGS, *_PREDICTOR]),
     required=True,
-    help="OpenSim (4.5 or later) or MuJoCo.",
+    help="OpenSim (4.5 or later), MuJoCo, or a causal predictor as one file of C99.",
 )
 @click.option("--output", metavar="FILE", help="Model file to write.  [default: beside the fit]")
-def command(fitted: str, to: str, output: str | None) -> None:
-    """Write the leg of a fit as a model for another simulator.
+@predictor_options
+def command(fitted: str, to: str, output: str | None, predictor: PredictorOptions) -> None:
+    """Write the leg of a fit as a model for another simulator, or as a predictor in C.
 
-    The file says how far its torque is from surae's, and the parameters' intervals.
+    A model's file says how far its torque is from surae's, and the parameters' intervals.
     """
+    if to in _PREDICTOR:
+        write_predictor(fitted, output, predictor)
+        return
+    predictor.refuse_for(to)
     path = output or str(Path(fitted).with_suffix(_ENDINGS[to]))
     check_outputs({"--output": path}, [fitted], spare_fits=True)
     with compilation_notice():

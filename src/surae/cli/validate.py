@@ -68,9 +68,10 @@ def _table(paths: Sequence[str], predictions: Sequence["api.Prediction"]) -> lis
         row = {"path": path, "vaf": p.vaf, "rmse_Nm": p.rmse, "bias_Nm": p.bias}
         if (covers := p.covers) is not None:
             row["torque_ci95_covers"] = covers
-        for name, share in (("template", p.baselines.template), ("ridge", p.baselines.ridge)):
-            if share is not None:
-                row[f"{name}_vaf"] = share
+        for name in ("template", "ridge"):
+            row[f"{name}_vaf"] = getattr(p.baselines, name)
+            if reason := getattr(p.baselines, f"{name}_reason"):
+                row[f"{name}_reason"] = reason
         if (judged := p.adequacy) is not None:
             row |= {"r2": judged.r2, "grade": str(judged.grade), "reasons": list(judged.reasons)}
         if p.fascicles:

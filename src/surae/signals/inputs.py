@@ -93,7 +93,7 @@ class ModelInputs(Comparable):
     rectified: tuple[float, ...] = ()
     #: How far its EMG may be too small for the rate of the raw EMG, see `lost_to_rate`.
     emg_lost: float = 0.0
-    #: Its effort where that is known already, as a causal filter knows it; None: by `smooth_effort`.
+    #: Its effort as a causal filter knows it; None: by `smooth_effort`, which looks ahead.
     effort: Effort | None = None
 
     def __post_init__(self) -> None:
