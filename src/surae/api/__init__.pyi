@@ -57,6 +57,7 @@ from surae.effects import check_knowledge as check_knowledge
 from surae.effects import check_switches as check_switches
 from surae.effects import differing as differing
 from surae.effects import without_priors as without_priors
+from surae.exchange.bids import write_bids as write_bids
 from surae.inference import Adequacy as Adequacy
 from surae.inference import Prediction as Prediction
 from surae.inference import make_problem as make_problem
@@ -134,6 +135,7 @@ from surae.recording import mapping_text as mapping_text
 from surae.recording import read as read
 from surae.recording import write_csv as write_csv
 from surae.recording import write_hdf5 as write_hdf5
+from surae.recording import write_parquet as write_parquet
 from surae.recording.described import toml_text as toml_text
 from surae.recording.formats import data_files as data_files
 from surae.recording.formats import open_table as open_table

@@ -60,7 +60,5 @@ def follows(predictions: Sequence[Prediction]) -> str:
 
 def _shares(predictions: Sequence[Prediction]) -> str:
     """The model's share and that of the best without one, of each."""
-    return ", ".join(
-        f"{percentage(p.vaf)} % against {percentage(p.baselines.best or 0.0)} %"
-        for p in predictions
-    )
+    pairs = [(p.vaf, p.baselines.best or 0.0) for p in predictions]
+    return ", ".join(f"{percentage(own)} % against {percentage(best)} %" for own, best in pairs)
