@@ -6,19 +6,28 @@ import shutil
 import pytest
 
 from surae import fit
+from surae.protocol import Protocol, generate
 from surae.studies import virtual_trial
 
 
 @pytest.fixture(scope="session")
-def fitted(subject, trajectory):
-    """A fit of the muscle model to envelopes."""
-    return fit(virtual_trial(subject, trajectory, seed=1), "muscle", starts=1)
+def slower():
+    """A movement that a causal filter can follow at 250 Hz: up to 3 Hz."""
+    return generate(
+        Protocol(profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.08, rate_hz=250.0)
+    )
 
 
 @pytest.fixture(scope="session")
-def family(subject, trajectory):
+def fitted(subject, slower):
+    """A fit of the muscle model to envelopes."""
+    return fit(virtual_trial(subject, slower, seed=1), "muscle", starts=1)
+
+
+@pytest.fixture(scope="session")
+def family(subject, slower):
     """A fit of the family to the same trial."""
-    return fit(virtual_trial(subject, trajectory, seed=1), "auto")
+    return fit(virtual_trial(subject, slower, seed=1), "auto")
 
 
 @pytest.fixture(scope="session")

@@ -55,8 +55,8 @@ def test_it_says_what_causality_costs_and_what_is_at_its_mean(fitted, family) ->
     assert "at its mean" in family.predictor(500).account
 
 
-def test_its_interval_holds_another_trial_of_the_leg(fitted, subject, trajectory) -> None:
-    trial = virtual_trial(subject, trajectory, seed=7)
+def test_its_interval_holds_another_trial_of_the_leg(fitted, subject, slower) -> None:
+    trial = virtual_trial(subject, slower, seed=7)
     p = fitted.predictor(trial.rate_hz)
     made = p.run(trial.angle, trial.emg, trial.torque)
     held = np.abs(trial.torque - made.torque) <= 1.96 * made.sd

@@ -50,6 +50,7 @@ from surae.base.formatting import estimate as estimate
 from surae.base.formatting import percentage as percentage
 from surae.base.formatting import significant as significant
 from surae.base.formatting import standard_error as standard_error
+from surae.causal.predictor import Predictor as Predictor
 from surae.cohorts.cohort import cohort as cohort
 from surae.cohorts.settings import CohortSettings as CohortSettings
 from surae.effects import check_estimator as check_estimator
@@ -161,6 +162,7 @@ from surae.report import has_typst as has_typst
 from surae.report import part_of as part_of
 from surae.report import style as style
 from surae.report.beside import beside as beside
+from surae.report.beside import of_movement as of_movement
 from surae.report.cohort import cohort_report as cohort_report
 from surae.report.figures import new_figure as new_figure
 from surae.report.figures import png as png

@@ -200,6 +200,12 @@ class Predictor:
         return float(torque)
 
     @property
+    def needs(self) -> tuple[str, ...]:
+        """Muscles whose EMG it needs: those that the fit has."""
+        missing = self._fit.problem.inputs[0].missing_emg
+        return tuple(muscle for muscle in MUSCLES if muscle not in missing)
+
+    @property
     def sd(self) -> float:
         """Standard deviation of the measured torque about that of the last step [Nm]."""
         return float(self._state["sd"][0])

@@ -40,7 +40,8 @@ def command(
     suffix = Path(output).suffix.lower()
     if suffix not in _SUFFIXES:
         raise InputError(
-            f"{shown(output)}: {suffix or 'no ending'} is not written; end it in .h5, .csv or .parquet"
+            f"{shown(output)}: {suffix or 'no ending'} is not written; end it in .h5, "
+            ".csv or .parquet"
         )
     check_outputs({"OUT": output}, [recording])
 
@@ -53,8 +54,8 @@ def command(
             measured = _prepared(measured)
         # Films that have not a frame at every sample of the first channel.
         time = next(iter(measured.channels.values())).time.tolist()
-        films = () if suffix in _WHOLE else measured.films.items()
-        left_out = [role for role, film in films if film.time.tolist() != time]
+        films = {} if suffix in _WHOLE else measured.films
+        left_out = [role for role, film in films.items() if film.time.tolist() != time]
         if left_out:
             kept = {role: c for role, c in measured.channels.items() if role not in left_out}
             measured = replace(measured, channels=kept)

@@ -66,8 +66,9 @@ def _show_promise(name: str, p: "api.Prediction") -> None:
             f"{name}: 95 % interval of the torque ± {half} Nm on average; it holds "
             f"{api.percentage(p.covers)} % of the samples"
         )
-    if text := api.beside(p):
-        show_line(f"{name}: {text}")
+    for text in (api.of_movement([p]), api.beside(p)):
+        if text:
+            show_line(f"{name}: {text}")
 
 
 def show_answer(table: TextTable) -> None:

@@ -35,6 +35,19 @@ def beside(p: Prediction) -> str:
     return f"{said} {follows([p])}" if known else said
 
 
+def of_movement(predictions: Sequence[Prediction]) -> str:
+    """That a movement is another one, and what was done; empty where none is."""
+    other = [p for p in predictions if p.simplest]
+    if not other:
+        return ""
+    shares = listed([f"{100 * p.simplest:.0f} % of {p.name!r}" for p in other])
+    return (
+        "Angle and speed scatter otherwise than in the fit. What the family explains of one "
+        "movement need not be so in another: its torque is averaged with that of the muscle model "
+        f"without departures ({shares}), and how far both are apart widens the interval."
+    )
+
+
 def follows(predictions: Sequence[Prediction]) -> str:
     """What follows of predictions beside those that know no muscle; empty without any."""
     compared = [p for p in predictions if p.baselines.best is not None]

@@ -11,7 +11,7 @@ from surae.inference.judging.assessment import described, variance_inflation
 from surae.inference.judging.verdict import IDENTIFIED
 from surae.model.joint import ANKLE, Joint
 from surae.report import block
-from surae.report.beside import follows
+from surae.report.beside import follows, of_movement
 
 
 def correlation_section(assessment: Assessment) -> block.Section:
@@ -81,8 +81,8 @@ def predictions_section(
             " The parameters carry over only in part: they describe the recordings they were "
             f"fitted to better than the {joint.body}."
         )
-    if said := follows(predictions):
-        text += f" {said}"
+    for said in (of_movement(predictions), follows(predictions)):
+        text += f" {said}" if said else ""
     table = block.Grid(
         "How well other recordings are predicted",
         block.columns(
