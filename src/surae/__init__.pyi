@@ -35,7 +35,9 @@ from surae.api import validate as validate
 from surae.base.errors import ComputationError as ComputationError
 from surae.base.errors import InputError as InputError
 from surae.base.errors import SuraeError as SuraeError
+from surae.causal.predictor import Predictor as Predictor
 from surae.cohorts.result import Cohort as Cohort
+from surae.exchange.bids import write_bids as write_bids
 from surae.inference import Adequacy as Adequacy
 from surae.inference import ParameterEstimate as ParameterEstimate
 from surae.inference import Prediction as Prediction

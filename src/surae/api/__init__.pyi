@@ -54,6 +54,7 @@ from surae.base.formatting import estimate as estimate
 from surae.base.formatting import percentage as percentage
 from surae.base.formatting import significant as significant
 from surae.base.formatting import standard_error as standard_error
+from surae.causal.predictor import Predictor as Predictor
 from surae.cohorts.cohort import cohort as cohort
 from surae.cohorts.settings import CohortSettings as CohortSettings
 from surae.effects import check_estimator as check_estimator
@@ -61,6 +62,7 @@ from surae.effects import check_knowledge as check_knowledge
 from surae.effects import check_switches as check_switches
 from surae.effects import differing as differing
 from surae.effects import without_priors as without_priors
+from surae.exchange.bids import write_bids as write_bids
 from surae.inference import Adequacy as Adequacy
 from surae.inference import Prediction as Prediction
 from surae.inference import make_problem as make_problem
@@ -138,6 +140,7 @@ from surae.recording import mapping_text as mapping_text
 from surae.recording import read as read
 from surae.recording import write_csv as write_csv
 from surae.recording import write_hdf5 as write_hdf5
+from surae.recording import write_parquet as write_parquet
 from surae.recording.described import toml_text as toml_text
 from surae.recording.formats import data_files as data_files
 from surae.recording.formats import open_table as open_table
@@ -162,6 +165,8 @@ from surae.report import check_report as check_report
 from surae.report import has_typst as has_typst
 from surae.report import part_of as part_of
 from surae.report import style as style
+from surae.report.beside import beside as beside
+from surae.report.beside import of_movement as of_movement
 from surae.report.cohort import cohort_report as cohort_report
 from surae.report.figures import new_figure as new_figure
 from surae.report.figures import png as png

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from surae.model import TendonState, TorqueParts
 from surae.settings import FitSettings
 
 if TYPE_CHECKING:
+    from surae.causal.predictor import Predictor
     from surae.measures import Measures
 
 
@@ -240,6 +241,48 @@ class Fit(Tabular, FitFrames, FitPages):
         """
         inputs = as_in_fit(self.result.problem, [recording], prepared)
         return predict_others(self.result, inputs, self.assessment.uncertainty)[0]
+
+    def predictor(
+        self,
+        rate_hz: float = 1000.0,
+        *,
+        emg: Literal["raw", "envelope"] | None = None,
+        even_if_doubtful: bool = False,
+    ) -> "Predictor":
+        """The torque while it is measured: angle and EMG of each sample in, torque out.
+
+        Its filters do not look ahead. Of the same signals, as its `run` gives them, `predict` has
+        the same torque.
+
+        Parameters
+        ----------
+        rate_hz : float
+            Samples in a second [Hz].
+        emg : {"raw", "envelope"}, optional
+            How EMG will come; by default as it came to the fit.
+        even_if_doubtful : bool
+            Whether a fit that is not adequate has one too.
+
+        Returns
+        -------
+        Predictor
+            ``p.step(angle_rad, emg_V)`` [Nm], ``p.sd`` [Nm], ``p.reset()``; `to_c` writes it in C.
+
+        Raises
+        ------
+        InputError
+            The fit is not adequate, or its model, geometry or integrator has no predictor.
+
+        Examples
+        --------
+        >>> p = surae.load("fit.json").predictor(1000)
+        >>> torque = p.step(0.1, [0.0, 1e-4, 1e-4, 1e-4])
+        """
+        from surae.causal.predictor import predictor_of  # compiles
+
+        return predictor_of(
+            self.result, self.assessment, rate_hz, emg=emg, even_if_doubtful=even_if_doubtful
+        )
 
     def measures(self, angles: Sequence[float] = (-10.0, 0.0, 10.0)) -> "Measures":
         """Torque, stiffness and more in a clinician's units, with intervals and verdicts.

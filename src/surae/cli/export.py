@@ -1,98 +1,68 @@
 """`surae export`."""
 
 from pathlib import Path
-from typing import Any
 
 import click
 
 from surae import api
-from surae.base.errors import InputError
+from surae.cli.export_bids import BidsOptions, bids_options, write_set
+from surae.cli.export_into import IntoOptions, into_options, write_into
+from surae.cli.export_predictor import PredictorOptions, predictor_options, write_predictor
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice
-from surae.cli.screen import show_answer, show_files, show_line
+from surae.cli.screen import show_files, show_line
 
 #: Formats and how their files end; written out so that help comes at once.
 _ENDINGS = {"osim": ".osim", "mjcf": ".xml"}
+#: A program in C instead of a model's file: what it is, and what it is written in.
+_PREDICTOR = ("predictor", "c")
+#: A data set of recordings, of which the fit is a derivative.
+_BIDS = "bids"
 
 
 @click.command("export")
 @click.argument("fitted", metavar="FIT.json|DIR")
 @click.option(
     "--to",
-    type=click.Choice(list(_ENDINGS)),
+    type=click.Choice([*_ENDINGS, *_PREDICTOR, _BIDS]),
     required=True,
-    help="OpenSim (4.5 or later) or MuJoCo.",
+    help="OpenSim (4.5 or later), MuJoCo, a causal predictor as one file of C99, or EMG-BIDS.",
 )
 @click.option("--output", metavar="FILE", help="Model file to write.  [default: beside the fit]")
-@click.option(
-    "--into",
-    metavar="MODEL.osim",
-    help="OpenSim model in which the leg’s muscles are written; it stays as it is.",
-)
-@click.option(
-    "--side", type=click.Choice(["right", "left"]), help="Leg of that model.  [default: right]"
-)
-@click.option(
-    "--pose",
-    "poses",
-    metavar="COORDINATE=DEG",
-    multiple=True,
-    help="Where another joint of that model was held, such as knee_angle_r=20; may be repeated.",
-)
-@click.option(
-    "--strength",
-    type=click.Choice(["model", "measured"]),
-    help="Whose largest forces that model gets.  [default: model]",
-)
+@into_options
+@predictor_options
+@bids_options
 def command(
     fitted: str,
     to: str,
     output: str | None,
-    into: str | None,
-    side: str | None,
-    poses: tuple[str, ...],
-    strength: str | None,
+    into: IntoOptions,
+    predictor: PredictorOptions,
+    bids: BidsOptions,
 ) -> None:
-    """Write the leg of a fit as a model for another simulator.
+    """Write the leg of a fit as a model for another simulator, a predictor in C, or a data set.
 
-    The file says how far its torque is from surae's, and the parameters' intervals. With --into,
-    the lines that change and a table of bounds are written beside it.
+    A model's file says how far its torque is from surae's, and the parameters' intervals.
+    With --into, the lines that change and a table of bounds are written beside it.
     """
-    path = output or str(Path(fitted).with_suffix(_ENDINGS[to]))
-    given: dict[str, Any] = {"side": side, "strength": strength, "pose": _pose(poses)}
-    wanted = {name: value for name, value in given.items() if value}
-    if into is None:
-        for name in wanted:
-            raise InputError(f"--{name} is of the model that --into names; give it too")
-        check_outputs({"--output": path}, [fitted], spare_fits=True)
-    else:
-        outputs = {
-            "--output" if kind == "model" else f"{kind} beside --output": file
-            for kind, file in api.files_beside(path).items()
-        }
-        check_outputs(outputs, [fitted, into], spare_fits=True)
-    with compilation_notice():
-        model = api.export(fitted, to=to, into=into, **wanted)
-    if isinstance(model, api.ExportedIntoModel):
-        files = model.save(path)
-        show_answer(model.as_table())
-        show_line(model.agreement)
-        show_files(files)
+    into.refuse_for(to)
+    if to not in _PREDICTOR:
+        predictor.refuse_for(to)
+    if to != _BIDS:
+        bids.refuse_for(to)
+    if to in _PREDICTOR:
+        write_predictor(fitted, output, predictor)
         return
+    if to == _BIDS:
+        write_set(fitted, output, bids)
+        return
+    path = output or str(Path(fitted).with_suffix(_ENDINGS[to]))
+    if into.model is not None:
+        write_into(fitted, to, path, into)
+        return
+    check_outputs({"--output": path}, [fitted], spare_fits=True)
+    with compilation_notice():
+        model = api.export(fitted, to=to)
     model.save(path)
     show_line(model.agreement)
     show_files({"model": path})
-
-
-def _pose(poses: tuple[str, ...]) -> dict[str, float]:
-    """Coordinates with their angles."""
-    found = {}
-    for text in poses:
-        name, _, value = text.partition("=")
-        try:
-            found[name.strip()] = float(value)
-        except ValueError:
-            raise InputError(
-                f"--pose {text!r}: write a coordinate and its angle [deg], such as knee_angle_r=20"
-            ) from None
-    return found

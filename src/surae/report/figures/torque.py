@@ -12,10 +12,10 @@ from surae.base.units import FloatArray
 from surae.inference import FitResult, Prediction
 from surae.recording import MUSCLES
 from surae.report import figures
-from surae.report.cycles import Cycles, find_cycles
 from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED, WIDTH
 from surae.report.provenance import excluded_spans
 from surae.report.traces import Traces, traces_of
+from surae.signals.cycles import Cycles, find_cycles
 
 __all__ = ["draw_parts", "draw_torque", "fit_figure", "predictions_figure", "torque_figure"]
 
