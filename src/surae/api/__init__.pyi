@@ -102,6 +102,7 @@ from surae.planning.expectation import Expectation as Expectation
 from surae.planning.plan import Plan as Plan
 from surae.planning.ready import ready_protocols as ready_protocols
 from surae.planning.torque import held_to_torque as held_to_torque
+from surae.planning.torque import load_of as load_of
 from surae.planning.torque import requested_limits as requested_limits
 from surae.processes.runner import engine_of as engine_of
 from surae.protocol import DEVICES as DEVICES
@@ -149,6 +150,7 @@ from surae.recording.inspected_file import arranged as arranged
 from surae.recording.inspected_trials import InspectedTrials as InspectedTrials
 from surae.recording.inspected_trials import inspect_trials as inspect_trials
 from surae.recording.inspected_trials import trials_text as trials_text
+from surae.recording.inspection import channels_by_names as channels_by_names
 from surae.recording.programs.xdf import xdf_end as xdf_end
 from surae.recording.reading import data_files_below as data_files_below
 from surae.recording.reading import is_mapping as is_mapping
@@ -157,6 +159,7 @@ from surae.recording.reading import mapped_recording as mapped_recording
 from surae.recording.reading import open_mapping as open_mapping
 from surae.recording.reading import read_contraction as read_contraction
 from surae.recording.reading import read_trials as read_trials
+from surae.recording.recording import weight_of as weight_of
 from surae.recording.source import open_source as open_source
 from surae.recording.table import load_each as load_each
 from surae.recording.table import some as some
