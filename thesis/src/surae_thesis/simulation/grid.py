@@ -5,7 +5,7 @@ from itertools import product
 from typing import Any
 
 from surae_thesis.claims import INTEGRATOR
-from surae_thesis.legs import EARLY, IN_TURN, LEAD, SLOW, fit_cell
+from surae_thesis.legs import EARLY, IN_TURN, LEAD, SLOW, STRAIN, fit_cell
 from surae_thesis.section import Context
 from surae_thesis.simulation import cells as c
 from surae_thesis.simulation.cells import Study, cells, select, with_magnitude
@@ -50,7 +50,7 @@ def places(quick: bool) -> dict[str, list[Place]]:
     subjects = range(1, 1 + (_QUICK_SUBJECTS if quick else SUBJECTS))
     faster = c.FASTER[1::2] if quick else c.FASTER
     chirps = [(0.0, None), *product(c.AMPLITUDES[1:], factors)]
-    return {
+    usual = {
         "grid": [
             place(m, p, a, s, task=t)
             for p, (a, s), t, m in product(c.PROFILES, chirps, c.TASKS, c.MODELS)
@@ -85,6 +85,16 @@ def places(quick: bool) -> dict[str, list[Place]]:
                 ),
             ]
         ],
+    }
+    return {
+        **usual,
+        **{
+            f"{STRAIN} {name}": [
+                {**at, "reading": STRAIN} for at in some if at["model"] == "muscle-tendon"
+            ]
+            for name, some in usual.items()
+            if name != "noise"
+        },
         IN_TURN: [
             place(m, p, c.CHOSEN_AMPLITUDE, c.CHOSEN_FACTOR, subject=n, reading=IN_TURN)
             for n, p, m in product(subjects, c.PROFILES, c.MODELS)
@@ -125,8 +135,13 @@ def studies(context: Context) -> dict[str, Study]:
     again = {cell.subject for cell in made[EARLY]}
     beside = [cell for cell in select(made["others"], task="part-passive") if cell.subject in again]
     made[EARLY] += tuple(cell for cell in beside if cell.amplitude == c.CHOSEN_AMPLITUDE)
+    strain = {
+        name: select(some, model="muscle") + made.get(f"{STRAIN} {name}", ())
+        for name, some in usual.items()
+    }
     return {
         c.SIGNED: Study(**usual, failed=failed["grid"]),
+        STRAIN: Study(**strain, failed=failed[f"{STRAIN} grid"]),
         c.MAGNITUDE: Study(
             **{name: tuple(map(with_magnitude, some)) for name, some in usual.items()},
             failed=failed["grid"],
