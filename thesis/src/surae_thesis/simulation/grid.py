@@ -14,6 +14,8 @@ from surae_thesis.simulation.cells import Study, cells, select, with_magnitude
 SUBJECTS = 10
 _QUICK_SUBJECTS = 3
 _QUICK_FACTORS = (0.05, 0.2, 0.35, 0.5, 0.6)
+#: Factors of the other reading of ε0 away from the chosen amplitude and task.
+_STRAIN_FACTORS = c.FACTORS[2::4]
 
 Place = dict[str, Any]
 
@@ -88,13 +90,7 @@ def places(quick: bool) -> dict[str, list[Place]]:
     }
     return {
         **usual,
-        **{
-            f"{STRAIN} {name}": [
-                {**at, "reading": STRAIN} for at in some if at["model"] == "muscle-tendon"
-            ]
-            for name, some in usual.items()
-            if name != "noise"
-        },
+        **{f"{STRAIN} {name}": _strained(some) for name, some in usual.items() if name != "noise"},
         IN_TURN: [
             place(m, p, c.CHOSEN_AMPLITUDE, c.CHOSEN_FACTOR, subject=n, reading=IN_TURN)
             for n, p, m in product(subjects, c.PROFILES, c.MODELS)
@@ -119,6 +115,20 @@ def places(quick: bool) -> dict[str, list[Place]]:
             for p, a in product(c.CHOSEN[:1] if quick else c.PROFILES, c.AMPLITUDES)
         ],
     }
+
+
+def _strained(some: list[Place]) -> list[Place]:
+    """The tendon model's cells with ε0 as a strain: all through the chosen chirp, few elsewhere."""
+    return [
+        {**at, "reading": STRAIN}
+        for at in some
+        if at["model"] == "muscle-tendon"
+        and at["subject"] <= _QUICK_SUBJECTS
+        and (
+            at["factor"] in (None, *_STRAIN_FACTORS)
+            or (at["task"] == "part-passive" and at["amplitude"] == c.CHOSEN_AMPLITUDE)
+        )
+    ]
 
 
 def studies(context: Context) -> dict[str, Study]:
