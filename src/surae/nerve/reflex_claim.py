@@ -103,7 +103,7 @@ def in_loop(claims: Claimed, loop: Loop, found: Cascade) -> Claimed:
         return Claimed(ReflexPath("cannot tell", None, why), {}, {}, why)
     if not loop.yields:
         return claims
-    numbers = {name: loop.widened(number) for name, number in claims.numbers.items()}
+    numbers = {name: loop.widened(name, number) for name, number in claims.numbers.items()}
     if loop.free <= TOO_FREE:
         return replace(claims, numbers=numbers)
     why = Message(TOO_MUCH, part=100.0 * loop.free)

@@ -30,12 +30,20 @@ AFTER = (0.04, 0.4)
 #: The z of such movement from which the device yields: of legs in stiff devices and of three
 #: measured records (`legs`, qa to qj; one ankle of Kearney's) at most 2.1.
 YIELDS = 4.0
-#: Correlation of the velocity with itself a period later from which a movement comes again.
+#: Time constant with which a small motor gives way [s].
+GIVES = 0.05
+#: Correlation of the velocity with itself a period later from which a movement comes again, and
+#: the part that does not from which the leg moves the device; of stiff ones it is below 1e-4.
 PERIODIC = 0.6
-#: Part of the velocity's variance that does not follow a recorded command, from which it yields.
-FREE = 0.05
-#: The same from which a reflex, which answers all of the velocity, is not told by the rest.
-TOO_FREE = 0.1
+APERIODIC = 0.005
+#: Part of the velocity's variance that does not follow a recorded command, from which it yields,
+#: and from which the command says nothing of it.
+FREE = 0.01
+NOT_ITS_OWN = 0.5
+#: The same from which a reflex, which answers all of the velocity, is not told by the rest; below
+#: it gain and share are unsure by so many times that part.
+TOO_FREE = 0.05
+BLURRED = 3.0
 #: What the command's response may be wrong by, a part of every number beside what it leaves.
 UNSURE = 0.03
 #: Rate at which a device's response to its command is estimated [Hz], and its first and last lag
@@ -77,11 +85,10 @@ class Loop:
         """Whether numbers of the leg can be told."""
         return not self.yields or self.samples is not None
 
-    def widened(self, number: Number) -> Number:
+    def widened(self, name: str, number: Number) -> Number:
         """A number with what the device's own movement may do in its interval."""
-        if not self.yields:
-            return number
-        return number.allowing(self.free + UNSURE)
+        times = BLURRED if name.startswith("reflex_") else 1.0
+        return number.allowing(times * self.free + UNSURE)
 
 
 def loop_of(recording: Recording, samples: Samples, pieces: Sequence[Piece]) -> Loop:
@@ -95,8 +102,8 @@ def loop_of(recording: Recording, samples: Samples, pieces: Sequence[Piece]) -> 
     angle = np.interp(np.arange(len(samples.time)), known, samples.angle[known])
     followed = following(command, angle, samples.rate_hz)
     free = _unexplained(angle, followed, samples.rate_hz)
-    if not (yields or free > FREE) or free > 1.0 - FREE:
-        return Loop(yields)
+    if free > NOT_ITS_OWN or not (yields or free > FREE):
+        return Loop(yields or free > NOT_ITS_OWN)
     note = Message(BY_COMMAND, part=100.0 * free)
     own = replace(samples, angle=followed, notes=(*samples.notes, note))
     return Loop(True, own, free)
@@ -111,57 +118,67 @@ def _moves_alone(samples: Samples, pieces: Sequence[Piece]) -> bool:
     span = max(samples.spans, key=lambda span: span.stop - span.start)
     again = comes_again(samples.angle[span], samples.rate_hz)
     if again > PERIODIC:
-        return 1.0 - again > FREE
+        return 1.0 - again > APERIODIC
     return moved_after(pieces) > YIELDS
 
 
 def comes_again(angle: FloatArray, rate_hz: float) -> float:
     """Largest correlation of the velocity with itself a second or more later, up to a half."""
     n = len(angle)
-    velocity = np.fft.rfft((angle - angle.mean()) * np.hanning(n))
+    edge = max(round(0.05 * rate_hz), 1)
+    level = angle - np.linspace(angle[:edge].mean(), angle[-edge:].mean(), n)
     f = np.fft.rfftfreq(n, 1.0 / rate_hz)
-    velocity *= f * ((f > 0.5) & (f < min(0.5 * TOP, 0.2 * rate_hz)))
-    whole = np.fft.irfft(velocity, n) / np.maximum(np.hanning(n), 0.1)
-    whole = whole[n // 20 : n - n // 20]
-    size = len(whole)
-    spectrum = np.fft.rfft(whole, 2 * size)
+    highest = min(0.5 * TOP, 0.2 * rate_hz)
+    passed = np.clip((f - 0.3) / 0.3, 0.0, 1.0) * np.clip(0.5 * (highest - f), 0.0, 1.0)
+    velocity = np.fft.irfft(np.fft.rfft(level) * f * passed, n)[n // 15 : n - n // 15]
+    size = len(velocity)
+    spectrum = np.fft.rfft(velocity, 2 * size)
     products = np.fft.irfft(np.abs(spectrum) ** 2)[:size]
-    squares = np.concatenate([[0.0], np.cumsum(whole**2)])
+    squares = np.concatenate([[0.0], np.cumsum(velocity**2)])
     lags = np.arange(round(rate_hz), size // 2)
     if not len(lags):
         return 0.0
-    early = squares[size - lags]
-    late = squares[-1] - squares[lags]
-    return float(np.max(products[lags] / np.sqrt(early * late + 1e-300)))
+    whole = np.sqrt(squares[size - lags] * (squares[-1] - squares[lags]))
+    return float(np.max(products[lags] / (whole + 1e-300)))
 
 
 def moved_after(pieces: Sequence[Piece]) -> float:
     """The z of an angle that comes after a torque, beside responses of tissue and reflex.
 
     A leg's torque follows its angle, by at most half a second; torque that is followed by an angle
-    is one that moves the device. Effort at any time is noise to a device that does not yield.
+    is one that moves the device. Effort at any time is noise to a device that does not yield. Every
+    lag is asked, and a device that gives way softly and at once, which few numbers describe; the
+    larger z is told.
     """
     free = Problem(pieces, free_noise(pieces))
     rate = pieces[0].rate
-    first, last = AFTER
-    first += 0.5 / float(pieces[0].f[-1])
-    ahead = np.arange(np.ceil(first * rate), np.floor(last * rate) + 1) / rate
-    best = np.inf
+    first = AFTER[0] + 0.5 / float(pieces[0].f[-1])
+    ahead = np.arange(np.ceil(first * rate), np.floor(AFTER[1] * rate) + 1) / rate
+    least = np.inf
     rows = free.y[None]
     for direction in (1, -1):
         own = [np.concatenate([lagged(p, direction, rate), p.squared[None]]) for p in pieces]
         x = free.whitened(own)
         left = free.y - solved(x, free.y) @ x
-        if float(left @ left) < best:
-            best = float(left @ left)
+        if float(left @ left) < least:
+            least = float(left @ left)
             rows = x
-    more = free.whitened([p.angle * np.exp(np.outer(ahead, p.s)) for p in pieces])
+    any_lag = [p.angle * np.exp(np.outer(ahead, p.s)) for p in pieces]
+    soft = [
+        np.stack([p.angle * np.exp(first * p.s) / (1.0 - GIVES * p.s) ** k for k in (1, 2, 3)])
+        for p in pieces
+    ]
+    return max(_gained(free, rows, least, free.whitened(more)) for more in (any_lag, soft))
+
+
+def _gained(free: Problem, rows: FloatArray, least: float, more: FloatArray) -> float:
+    """The z of what more rows leave of what some rows leave."""
     every = np.concatenate([rows, more])
     left = free.y - solved(every, free.y) @ every
     rest = float(left @ left)
-    count = len(more)
     freedom = max(len(free.y) - len(every), 1)
-    return ((best - rest) / (rest / freedom + 1e-300) - count) / float(np.sqrt(2.0 * count))
+    gained = (least - rest) / (rest / freedom + 1e-300) - len(more)
+    return gained / float(np.sqrt(2.0 * len(more)))
 
 
 def following(command: FloatArray, angle: FloatArray, rate_hz: float) -> FloatArray:
