@@ -44,6 +44,12 @@ _MODELS = "1.0,2.0,2.1,2.2"
     help="How paths are named, as {subject}/{protocol}-{repetition}.  "
     "[default: subject first, repetition last, between / or _]",
 )
+@click.option(
+    "--only",
+    type=click.Choice(["spectra", "snsem"]),
+    default="",
+    help="Spectra of repetitions, without a fit; or fits and snSEM, without predictions.",
+)
 @settings_options(*api.FIT_RECORDS[:-1])
 @click.option("--store", required=True, metavar="B.db", help="Keeps every finished fit.")
 @click.option("--output", required=True, metavar="OUT/", help="Folder of tables and page.")
@@ -55,6 +61,7 @@ def command(
     models: str,
     fixed_set: tuple[str, ...],
     name: str,
+    only: str,
     store: str,
     output: str,
     workers: int | None,
@@ -83,11 +90,11 @@ def command(
     check_outputs({"--store": store}, [])
     found = files.find_trials(recordings, mapping, name)
     read = {"mapping": mapping, "corrections": json.dumps(corrections, sort_keys=True)}
-    batch = table.Batch(found, settings, read)
+    batch = table.Batch(found, {} if only == "spectra" else settings, read, only)
     subjects, protocols = ({getattr(t, of) for t in found} for of in ("subject", "protocol"))
     show_line(
         f"{len(found)} recordings of {len(subjects)} subjects, protocols: "
-        f"{', '.join(sorted(protocols))}; {len(found) * len(settings)} fits"
+        f"{', '.join(sorted(protocols))}; {len(found) * len(batch.settings)} fits"
     )
     begin = time.perf_counter()
     with table.BatchStore(store, write=True) as opened:
@@ -118,5 +125,8 @@ def command(
     )
     show_line(f"page: {shown(write_result(Path(output), 'batch', 'A cohort, fitted', result))}")
     show_line(f"table: {shown(Path(output) / 'table.csv')}")
-    if all(fit.get("failed") for label, fit in outcomes if label["kind"] == "fit"):
+    if only == "spectra":
+        repeated = next(each for each in result.tables if each.name == "batch-repetitions")
+        show_table(repeated.columns, [tuple(map(str, row)) for row in repeated.rows])
+    elif all(fit.get("failed") for label, fit in outcomes if label["kind"] == "fit"):
         raise ComputationError("every fit failed, so the batch says nothing; the page has reasons")

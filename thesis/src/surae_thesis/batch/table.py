@@ -17,6 +17,9 @@ from surae_thesis.batch.work import Plain, Where
 from surae_thesis.cohort.work import MODELS
 from surae_thesis.section import Cell
 
+#: What a batch may compute alone: how repetitions' spectra differ, without a fit; fits and the
+#: simulations that their standard errors are compared with, without predictions.
+ONLY = ("spectra", "snsem")
 #: Virtual legs whose simulations a standard error is compared with, as many trials as there are.
 LEGS = 6
 _WORK = "surae_thesis.batch.work"
@@ -26,12 +29,14 @@ _WORK = "surae_thesis.batch.work"
 class Batch:
     """Which recordings are fitted, by what; `read` says how they are read (mapping, corrections).
 
-    Settings are by the model's name as it was given, then by what was fixed, in words.
+    Settings are by the model's name as it was given, then by what was fixed, in words. `only` is
+    one of `ONLY`, or empty.
     """
 
     trials: tuple[NamedTrial, ...]
     settings: Mapping[tuple[str, str], FitSettings]
     read: Mapping[str, Any]
+    only: str = ""
 
     def where(self, trial: NamedTrial) -> Where:
         """How a recording is read."""
@@ -43,13 +48,27 @@ class Batch:
         for trial in self.trials:
             if trial.repetition == min(t.repetition for t in self._of(trial) if _same(t, trial)):
                 first.setdefault(trial.protocol, []).append(trial)
-            about = asdict(trial)
-            yield {"kind": "trial", **about}, "trial_job", {"where": self.where(trial)}
-            others = {t.name: self.where(t) for t in self._of(trial) if t != trial}
-            for (model, fixed), settings in self.settings.items():
-                label = {"kind": "fit", **about, "model": model, "fixed": fixed}
-                given = {"settings": to_plain(settings), "others": others}
-                yield label, "fit_job", {"where": self.where(trial), **given}
+            if self.only != "snsem":
+                label = {"kind": "trial", **asdict(trial)}
+                yield label, "trial_job", {"where": self.where(trial)}
+            if self.only != "spectra":
+                yield from self._fits(trial)
+        if self.only != "spectra":
+            yield from self._simulations(first)
+
+    def _fits(self, trial: NamedTrial) -> Iterator[tuple[Plain, str, Plain]]:
+        """Every fit of a recording; it predicts the subject's others unless `only` says less."""
+        several = [] if self.only else self._of(trial)
+        others = {t.name: self.where(t) for t in several if t != trial}
+        for (model, fixed), settings in self.settings.items():
+            label = {"kind": "fit", **asdict(trial), "model": model, "fixed": fixed}
+            given = {"settings": to_plain(settings), "others": others}
+            yield label, "fit_job", {"where": self.where(trial), **given}
+
+    def _simulations(
+        self, first: Mapping[str, Sequence[NamedTrial]]
+    ) -> Iterator[tuple[Plain, str, Plain]]:
+        """Simulations as some recordings move, by protocol: each subject's first."""
         for protocol, several in first.items():
             for model, settings in {m: s for (m, _), s in self.settings.items()}.items():
                 if settings.model not in MODELS.values():
