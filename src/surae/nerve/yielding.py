@@ -145,8 +145,8 @@ def comes_again(angle: FloatArray, rate_hz: float) -> float:
 def moved_after(pieces: Sequence[Piece]) -> float:
     """The z of an angle that comes after a torque, beside responses of tissue and reflex.
 
-    A leg's torque follows its angle, by less than half a second; torque that is followed by an angle
-    is one that moves the device. Effort at any time is noise to a device that does not yield. Every
+    A leg's torque follows its angle, by less than half a second; torque that an angle follows is
+    one that moves the device. Effort at any time is noise to a device that does not yield. Every
     lag is asked, and a device that gives way softly and at once, which few numbers describe; the
     larger z is told.
     """
