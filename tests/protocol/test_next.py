@@ -8,7 +8,7 @@ import pytest
 import surae
 from surae.api import fit_inputs
 from surae.base.errors import InputError
-from surae.inference.judging.adequacy import Grade
+from surae.inference.judging.grade import Grade
 from surae.inference.judging.reasons import against
 from surae.planning.aimed import _along
 from surae.planning.information import information, prior_precision, shared
