@@ -160,7 +160,7 @@ def test_who_cannot_be_measured_so_long_is_told(weak) -> None:
 
 @pytest.mark.slow
 def test_ready_protocols_keep_the_limits_of_other_devices() -> None:
-    from surae.api.designing import ready_trajectory
+    from surae.api.requested import ready_trajectory
     from surae.protocol import Device
 
     robot = Device("robot", max_velocity=1.2, max_acceleration=40.0, max_torque=60.0)
