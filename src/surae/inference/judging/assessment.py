@@ -14,7 +14,7 @@ from surae.base.normal import NORMAL
 from surae.base.threads import one_blas_thread
 from surae.base.words import Message
 from surae.inference import FitResult, PosteriorMode
-from surae.inference.judging.adequacy import Adequacy, Grade, judge_adequacy
+from surae.inference.judging.adequacy import judge_adequacy
 from surae.inference.judging.fascicles import FascicleQuality, fascicles_of
 from surae.inference.judging.goodness import (
     LEVEL,
@@ -25,6 +25,7 @@ from surae.inference.judging.goodness import (
     vaf,
     weighted_vaf,
 )
+from surae.inference.judging.grade import Adequacy, Grade
 from surae.inference.judging.marginal import marginal
 from surae.inference.judging.parameter import (
     Interval,
