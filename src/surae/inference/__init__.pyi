@@ -1,8 +1,8 @@
 """What the package offers, one line each, and where it is made."""
 
-from surae.inference.judging.assessment import AssessedFit as AssessedFit
-from surae.inference.judging.assessment import Assessment as Assessment
-from surae.inference.judging.assessment import RecordingQuality as RecordingQuality
+from surae.inference.judging.assessed import AssessedFit as AssessedFit
+from surae.inference.judging.assessed import Assessment as Assessment
+from surae.inference.judging.assessed import RecordingQuality as RecordingQuality
 from surae.inference.judging.assessment import assess as assess
 from surae.inference.judging.goodness import Whiteness as Whiteness
 from surae.inference.judging.goodness import rmse as rmse

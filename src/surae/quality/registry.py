@@ -7,7 +7,18 @@ import numpy as np
 
 from surae.base.plugins import plugins
 from surae.model.joint import ANKLE, Joint
-from surae.quality import activity, emg, film, lag, mains, position, reflex, timing, torque
+from surae.quality import (
+    activity,
+    emg,
+    emg_flat,
+    film,
+    lag,
+    mains,
+    position,
+    reflex,
+    timing,
+    torque,
+)
 from surae.quality.commanded import Commanded
 from surae.quality.electrodes import Electrodes
 from surae.quality.finding import SEVERITIES, Finding, Quality, Skipped, Unjudged
@@ -47,7 +58,7 @@ CHECKS: tuple[Check, ...] = (
     Check(("emg-kind",), emg.kind),
     Check(("emg-missing",), emg.missing),
     Check(("as-read",), timing.as_read),
-    Check(("emg-flat",), emg.flat),
+    Check(("emg-flat",), emg_flat.flat),
     Check(("emg-doubled",), emg.doubled),
     Check(("emg-clipped",), emg.clipped),
     Check(("emg-aliased",), emg.aliased),

@@ -12,7 +12,7 @@ from surae.measures import Measures, measures
 from surae.measures.change.compare import compare_sessions
 from surae.measures.change.result import Change
 from surae.measures.compared import Quantities, common_end, quantities
-from surae.measures.leg import measured_range
+from surae.measures.fitted_leg import measured_range
 from surae.measures.norms import Norm, read_norms
 from surae.measures.points import ANGLES
 from surae.measures.table import LEADING
