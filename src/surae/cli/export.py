@@ -59,7 +59,7 @@ def command(
     the lines that change and a table of bounds are written beside it.
     """
     path = output or str(Path(fitted).with_suffix(_ENDINGS[to]))
-    given: dict[str, Any] = {"side": side, "strength": strength, "pose": _pose(poses)}
+    given: dict[str, Any] = {"side": side, "strength": strength, "pose": pose_of(poses)}
     wanted = {name: value for name, value in given.items() if value}
     if into is None:
         for name in wanted:
@@ -84,7 +84,7 @@ def command(
     show_files({"model": path})
 
 
-def _pose(poses: tuple[str, ...]) -> dict[str, float]:
+def pose_of(poses: tuple[str, ...]) -> dict[str, float]:
     """Coordinates with their angles."""
     found = {}
     for text in poses:
