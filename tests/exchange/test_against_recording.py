@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from models import HEADS, osim_text
 from results_made import subject_text
 
 import surae
+from made_osim import HEADS, osim_text
 from surae.base.errors import InputError
 from surae.exchange.leg_in_model import leg_in_model
 from surae.exchange.opinion import disputed_said, recording_said

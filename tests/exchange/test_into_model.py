@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from models import HEADS, osim_text
 
 import surae
+from made_osim import HEADS, osim_text
 from surae.base.errors import InputError
 from surae.exchange.edited import edited
 from surae.exchange.into import leg_for_model

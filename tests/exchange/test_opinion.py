@@ -4,10 +4,10 @@ import json
 
 import numpy as np
 import pytest
-from models import HEADS, osim_text
 from results_made import calibration_text, osimx_text, redundancy_mat, sto_text, subject_text
 
 import surae
+from made_osim import HEADS, osim_text
 from surae.base.errors import InputError
 
 MUSCLES = [

@@ -326,7 +326,7 @@ def judge(
 
     Examples
     --------
-    >>> surae.judge("subjectCalibrated.xml").to_dataframe()
+    >>> surae.judge("scaled.osim").to_dataframe()
     """
     given = [results] if isinstance(results, str) or hasattr(results, "__fspath__") else results
     if not len(given):
