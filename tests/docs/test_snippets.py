@@ -75,6 +75,7 @@ SECONDS = {
         "geometry",
         "how-much-is-nerve",
         "measure-a-leg",
+        "other-programs",
     )
 }
 SECONDS |= {
@@ -85,6 +86,7 @@ SECONDS |= {
     "export",
     "fit",
     "impedance",
+    "judge",
     "load_session",
     "measures",
     "plan_session",

@@ -43,6 +43,10 @@ class ExportedIntoModel:
         What is no longer anatomy, or not the fit's.
     bounds : tuple of Bound
         Parameters with their intervals.
+    edited : EditedModel
+        The file as it was and as it is.
+    changes : tuple of tuple
+        Muscle, property, before and after, of every number that changed.
     """
 
     source: str
