@@ -40,7 +40,7 @@ def moves_otherwise(others: Sequence[ModelInputs], recording: ModelInputs) -> bo
 
     def scatters(of: ModelInputs) -> FloatArray:
         own = np.stack([of.angle, of.velocity])[:, of.counts]
-        return np.maximum(own.std(axis=1), 1e-6)
+        return np.asarray(np.maximum(own.std(axis=1), 1e-6))
 
     own = scatters(recording)
     apart = [np.abs(np.log(own / scatters(each))).max() for each in others]

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -19,8 +20,8 @@ from surae.signals.cycles import Cycles, find_cycles
 
 __all__ = ["draw_parts", "draw_torque", "fit_figure", "predictions_figure", "torque_figure"]
 
-#: Units of EMG in volts: the largest signal [V] from which each is used, and how many make a volt.
-_VOLTS = ((0.1, 1.0, "V"), (2e-3, 1e3, "mV"), (0.0, 1e6, "µV"))
+#: Unit of EMG in volts, the same everywhere, and how many make a volt.
+_VOLTS = (1e3, "mV")
 #: Heights [inch] of a strip of EMG, the angle, a panel of torque, and of what surrounds them.
 _STRIP = 0.52
 _ANGLE = 1.35
@@ -114,10 +115,7 @@ def _emg(
     if not rows:
         return
     highest = float(traces.emg.max())
-    factor = 1.0
-    unit = "-"
-    if traces.emg_unit == "V":
-        factor, unit = next((f, u) for least, f, u in _VOLTS if highest >= least)
+    factor, unit = _VOLTS if traces.emg_unit == "V" else (1.0, "-")
     signals = traces.emg * factor
     highest = highest * factor or 1.0
     for row, muscle in zip(rows, muscles, strict=True):
@@ -147,10 +145,9 @@ def _emg(
 
 
 def _angle(row: _Row, traces: Traces, cycles: Cycles | None) -> None:
-    _dress(row, "Angle [rad]")
+    _dress(row, "Angle [°]")
     figures.heading(row[0], traces.joint.worded("Ankle angle, dorsiflexion positive"))
-    _draw(row, traces, cycles, traces.angle, {"color": INK, "linewidth": 1.1})
-    figures.dress_degrees(row[-1])
+    _draw(row, traces, cycles, np.degrees(traces.angle), {"color": INK, "linewidth": 1.1})
 
 
 def draw_torque(row: _Row, traces: Traces, cycles: Cycles | None = None) -> None:
