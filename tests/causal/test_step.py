@@ -64,8 +64,9 @@ def table() -> GeometryTable:
     angle = np.linspace(-0.6, 0.1, 9)
     tri = (0.048 - 0.0104 * angle, 0.048 * angle - 0.0052 * angle**2)
     tib = (-(0.0393 + 0.0171 * angle), -(0.0393 * angle + 0.00855 * angle**2))
-    rows = [tuple(map(tuple, pair)) for pair in ((tri[1] + 0.3, tib[1] + 0.25), (tri[0], tib[0]))]
-    return GeometryTable("made", tuple(angle), rows[0], rows[1])
+    lengths = (tuple((tri[1] + 0.3).tolist()), tuple((tib[1] + 0.25).tolist()))
+    arms = (tuple(tri[0].tolist()), tuple(tib[0].tolist()))
+    return GeometryTable("made", tuple(angle.tolist()), lengths, arms)
 
 
 CASES = {

@@ -16,7 +16,7 @@ from surae.base.formatting import nearest
 from surae.base.frozen import FrozenDict
 from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
-from surae.inference import AssessedFit
+from surae.inference import AssessedFit, Grade
 from surae.inference.judging.adequacy import Adequacy
 from surae.inference.judging.assessment import assess
 from surae.inference.judging.criteria import criteria_of
@@ -358,7 +358,9 @@ class Fit(Tabular, AssessedFit):
         Returns
         -------
         Prediction
-            Predicted torque, VAF, RMS error and bias.
+            Predicted torque, VAF, RMS error and bias; and what is predicted without a model. Where
+            a fit of `auto` is not adequate and the movement is another one, its torque is averaged
+            with that of the muscle model without departures.
 
         Raises
         ------
@@ -366,7 +368,9 @@ class Fit(Tabular, AssessedFit):
             It has no torque, or EMG that the fit's weights do not go with.
         """
         inputs = as_in_fit(self.result.problem, [recording], prepared)
-        return predict_others(self.result, inputs, self.assessment.uncertainty)[0]
+        adequate = self.adequacy.grade == Grade.ADEQUATE
+        known = self.assessment.uncertainty
+        return predict_others(self.result, inputs, known, adequate=adequate)[0]
 
     def predictor(
         self,

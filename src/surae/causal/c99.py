@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -18,9 +18,6 @@ from surae.inference import FitResult
 from surae.model import activation, contraction, crosstalk, equilibrium, movement, parameters
 from surae.model.compliant_stage import GAMMA, RHO
 
-if TYPE_CHECKING:
-    from surae.causal.predictor import Predictor
-
 #: Of each precision: the ending of its functions, the solver's tolerance, and what the test
 #: allows, as a part of the peak torque beside an absolute difference [Nm].
 _PRECISIONS = {
@@ -31,6 +28,20 @@ _FUNCTIONS = ("EXP", "EXPM1", "LOG", "SQRT", "SIN", "COS", "ATAN2", "FABS")
 #: Steps of the test program.
 _STEPS = 400
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+
+
+class Stepping(Protocol):
+    """What is asked of a predictor."""
+
+    rate_hz: float  #: Steps in a second [Hz].
+    emg: str  #: How EMG comes.
+
+    @property
+    def account(self) -> str:
+        """What it costs not to look ahead."""
+
+    def run(self, angle_rad: FloatArray, emg_V: FloatArray) -> Any:
+        """Torques and their standard deviations."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +69,7 @@ class CSource:
 
 
 def c_source(
-    predictor: "Predictor", numbers: Numbers, result: FitResult, name: str, precision: str
+    predictor: Stepping, numbers: Numbers, result: FitResult, name: str, precision: str
 ) -> CSource:
     """The C file and header of a predictor, of a name and a precision.
 
@@ -158,7 +169,7 @@ def _rows(table: FloatArray) -> str:
     return ",\n".join(f"    {_values(row)}" for row in table)
 
 
-def _about(predictor: "Predictor", result: FitResult) -> str:
+def _about(predictor: Stepping, result: FitResult) -> str:
     """What a reader has to know, as lines of a comment."""
     from textwrap import wrap
 
@@ -178,7 +189,7 @@ def _plain(text: str) -> str:
     return text.replace("’", "'").encode("ascii", "replace").decode("ascii")
 
 
-def _signals(predictor: "Predictor", result: FitResult) -> FloatArray:
+def _signals(predictor: Stepping, result: FitResult) -> FloatArray:
     """Made-up signals of the size of the fit's, with the torque and its doubt, shape (n, 7)."""
     first = result.problem.inputs[0]
     low, high = (float(np.quantile(first.angle, q)) for q in (0.05, 0.95))
