@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.resources import files
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 
@@ -34,7 +34,7 @@ class Stepping(Protocol):
     """What is asked of a predictor."""
 
     rate_hz: float  #: Steps in a second [Hz].
-    emg: str  #: How EMG comes.
+    emg: Literal["raw", "envelope"]  #: How EMG comes.
 
     @property
     def account(self) -> str:

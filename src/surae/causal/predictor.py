@@ -18,7 +18,7 @@ from surae.causal.numbers import LEFT_OUT, Numbers, check_supported, numbers_of
 from surae.inference import Assessment, FitResult, Grade
 from surae.inference.judging.goodness import counted, vaf
 from surae.recording import MUSCLES, Recording
-from surae.signals import Effort, ModelInputs, Preparation
+from surae.signals import ModelInputs, Preparation, SmoothEffort
 
 if TYPE_CHECKING:
     from surae.causal.c99 import CSource
@@ -259,6 +259,7 @@ class Predictor:
                 "the units of angle and EMG"
             )
         first = self._fit.problem.inputs[0]
+        smooth, rate, smooth_rate = (read_only(out[k : k + 4]) for k in (14, 10, 18))
         time = np.arange(len(angle)) / self.rate_hz
         inputs = ModelInputs(
             "causal",
@@ -274,7 +275,9 @@ class Predictor:
             prepared=True,
             emg_reference=first.emg_reference,
             own_envelopes=first.own_envelopes,
-            effort=Effort(read_only(out[14:18]), read_only(out[10:14]), read_only(out[18:22])),
+            effort=SmoothEffort(
+                read_only(out[14:18]), read_only(out[10:14]), read_only(out[18:22])
+            ),
         )
         return CausalTorque(inputs.time, read_only(out[0]), read_only(out[1]), inputs)
 
