@@ -275,9 +275,7 @@ class Predictor:
             prepared=True,
             emg_reference=first.emg_reference,
             own_envelopes=first.own_envelopes,
-            effort=SmoothEffort(
-                read_only(out[14:18]), read_only(out[10:14]), read_only(out[18:22])
-            ),
+            effort=SmoothEffort(smooth, rate, smooth_rate),
         )
         return CausalTorque(inputs.time, read_only(out[0]), read_only(out[1]), inputs)
 
