@@ -359,8 +359,8 @@ class Fit(Tabular, AssessedFit):
         -------
         Prediction
             Predicted torque, VAF, RMS error and bias; and what is predicted without a model. Where
-            a fit of `auto` is not adequate and the movement is another one, its torque is averaged
-            with that of the muscle model without departures.
+            a fit of `auto` to inverse dynamics is not adequate and the movement is another one, its
+            torque is averaged with that of the muscle model without departures.
 
         Raises
         ------

@@ -44,10 +44,9 @@ def of_movement(predictions: Sequence[Prediction]) -> str:
         return ""
     shares = listed([f"{100 * p.simplest:.0f} % of {p.name!r}" for p in other])
     return (
-        "Angle and speed scatter otherwise than in the fit, which is not adequate: what it "
-        "explains of one movement need not be so in another. Its torque is averaged with that of "
-        f"the muscle model without departures ({shares}), and how far both are apart widens the "
-        "interval."
+        "Angle and speed scatter otherwise than in the fit, which is of inverse dynamics and not "
+        "adequate: what it explains of one movement need not be so in another. Its torque is "
+        f"averaged with that of the muscle model without departures ({shares})."
     )
 
 

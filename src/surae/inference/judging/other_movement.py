@@ -2,9 +2,13 @@
 
 Departures are chosen by what they explain of the fit's own movement: how the torque goes with speed
 and angle there. Nothing says that they go on so elsewhere, and the simplest member, which has none,
-may be right. How far both are apart therefore widens the interval. Where the fit is not adequate
-and the movement is another one, both are averaged too, each by what it leaves of the fit's own
-torque, as linear combinations of forecasts are (Bates and Granger 1969).
+may be right. How far both are apart therefore widens the interval.
+
+A device's departures (its plate, its zeros, the foot on it) are there in the next movement too. Of
+inverse dynamics there is no device: what speed and angle explain there are also the errors of that
+movement's forces and masses. Where such a fit is not adequate and the movement is another one, both
+are averaged, each by what it leaves of the fit's own torque, as linear combinations of forecasts
+are (Bates and Granger 1969).
 
 J. M. Bates, C. W. J. Granger (1969). The combination of forecasts. Operational Research Quarterly
 20(4):451-468.
@@ -63,7 +67,8 @@ def beside_simplest(
     torque : ndarray, shape (n,)
         By the fit's own parameters [Nm].
     adequate : bool
-        Whether the fit is; else the two are averaged where the movement is another one.
+        Whether the fit is; else, of inverse dynamics, the two are averaged where the movement is
+        another one.
 
     Returns
     -------
@@ -89,7 +94,8 @@ def beside_simplest(
         return None
     weight = mine / (mine + its)
     apart = plain - torque
-    if adequate or not moves_otherwise(problem.inputs, recording):
+    shared = adequate or not problem.of_inverse_dynamics
+    if shared or not moves_otherwise(problem.inputs, recording):
         return Beside(torque, 0.0, np.sqrt(weight) * apart, plain)
     both = torque + weight * apart
     return Beside(both, weight, np.sqrt(weight * (1.0 - weight)) * apart, plain)

@@ -45,8 +45,8 @@ class Prediction(Comparable):
     #: What the fit's recordings predict of it without a model.
     baselines: Baselines = field(default_factory=Baselines)
     fascicles: tuple[Fascicles, ...] = ()  #: Filmed lengths, measured and predicted.
-    #: Part of the torque that is the simplest member's, 0 … 1: of a family's fit, where the
-    #: movement is not the fit's.
+    #: Part of the torque that is the simplest member's, 0 … 1: of a family's fit to inverse
+    #: dynamics, where the movement is not the fit's.
     simplest: float = 0.0
     #: Variance that the simplest member accounts for, fitted to the same recordings [%]; None of a
     #: named model.
@@ -104,8 +104,8 @@ def predict_others(
 ) -> tuple[Prediction, ...]:
     """Predict recordings with the parameters of a fit to others, and judge by what is `known`.
 
-    Of another movement the torque of a family's fit that is not `adequate` is averaged with that of
-    its simplest member.
+    Of another movement the torque of a family's fit to inverse dynamics that is not `adequate` is
+    averaged with that of its simplest member.
 
     A sample of weight 0 is predicted, and is in no figure; other weights change nothing.
     """
