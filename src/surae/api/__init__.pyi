@@ -25,6 +25,10 @@ from surae.api.fitting import fit_inputs as fit_inputs
 from surae.api.fitting import inputs_for as inputs_for
 from surae.api.fitting import load as load
 from surae.api.given import AnyRecording as AnyRecording
+from surae.api.into_model import ExportedIntoModel as ExportedIntoModel
+from surae.api.into_model import files_beside as files_beside
+from surae.api.judging import SecondOpinion as SecondOpinion
+from surae.api.judging import judge as judge
 from surae.api.perturbed import impedance as impedance
 from surae.api.perturbed import perturbation_page as perturbation_page
 from surae.api.perturbed import stretches as stretches
@@ -38,7 +42,7 @@ from surae.api.relaxing import Relaxed as Relaxed
 from surae.api.relaxing import relaxed as relaxed
 from surae.api.session_result import SessionResult as SessionResult
 from surae.api.session_result import load_session as load_session
-from surae.api.session_run import Step as Step
+from surae.api.session_run.progress import Step as Step
 from surae.api.sessions import Session as Session
 from surae.api.sessions import session as session
 from surae.api.simulation import simulate as simulate
@@ -71,7 +75,7 @@ from surae.inference.saved.parameters_json import read_parameters as read_parame
 from surae.measures import Measure as Measure
 from surae.measures import Measures as Measures
 from surae.measures import measures_of_values as measures_of_values
-from surae.measures.change import Change as Change
+from surae.measures.change.result import Change as Change
 from surae.measures.norms import placed as placed
 from surae.measures.norms import read_norms as read_norms
 from surae.model import MODELS as MODELS
@@ -98,6 +102,7 @@ from surae.planning.expectation import Expectation as Expectation
 from surae.planning.plan import Plan as Plan
 from surae.planning.ready import ready_protocols as ready_protocols
 from surae.planning.torque import held_to_torque as held_to_torque
+from surae.planning.torque import load_of as load_of
 from surae.planning.torque import requested_limits as requested_limits
 from surae.processes.runner import engine_of as engine_of
 from surae.protocol import DEVICES as DEVICES
@@ -145,6 +150,7 @@ from surae.recording.inspected_file import arranged as arranged
 from surae.recording.inspected_trials import InspectedTrials as InspectedTrials
 from surae.recording.inspected_trials import inspect_trials as inspect_trials
 from surae.recording.inspected_trials import trials_text as trials_text
+from surae.recording.inspection import channels_by_names as channels_by_names
 from surae.recording.programs.xdf import xdf_end as xdf_end
 from surae.recording.reading import data_files_below as data_files_below
 from surae.recording.reading import is_mapping as is_mapping
@@ -153,6 +159,7 @@ from surae.recording.reading import mapped_recording as mapped_recording
 from surae.recording.reading import open_mapping as open_mapping
 from surae.recording.reading import read_contraction as read_contraction
 from surae.recording.reading import read_trials as read_trials
+from surae.recording.recording import weight_of as weight_of
 from surae.recording.source import open_source as open_source
 from surae.recording.table import load_each as load_each
 from surae.recording.table import some as some

@@ -18,7 +18,8 @@ from surae.base.setting import renamed, takes
 from surae.inference import Grade
 from surae.inference.judging.validation import Prediction, predict_others
 from surae.inference.relaxed.curve import RelaxedCurve
-from surae.measures.change import Change, compare_sessions
+from surae.measures.change.compare import compare_sessions
+from surae.measures.change.result import Change
 from surae.measures.compared import common_end
 from surae.measures.course import Series, rest_series, strength_series
 from surae.measures.relaxed_change import remounting, rest_change
