@@ -46,7 +46,7 @@ def test_lines_differ_without_colour(traces):
 def test_emg_that_was_not_recorded_takes_no_panel(traces):
     figure = torque_figure(replace(traces, missing_emg=("sol",), emg_unit="1"))
     assert [t.get_text() for axes in figure.axes for t in axes.texts] == ["TA", "GL", "GM"]
-    assert "EMG [-]" in [axes.get_ylabel() for axes in figure.axes]
+    assert "EMG" in [axes.get_ylabel() for axes in figure.axes]
     without = torque_figure(replace(traces, missing_emg=("ta", "gl", "sol", "gm")))
     assert [axes.get_ylabel() for axes in without.axes] == [
         "Angle [°]",
