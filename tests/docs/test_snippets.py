@@ -75,6 +75,7 @@ SECONDS = {
         "geometry",
         "how-much-is-nerve",
         "measure-a-leg",
+        "predict-while-measuring",
     )
 }
 SECONDS |= {
