@@ -112,6 +112,10 @@ class Predictor:
         numbers = _numbers(result, self.rate_hz, preparation if self.emg == "raw" else None)
         runs = [_run(_own_numbers(result, r), r.angle, r.emg) for r in problem.inputs]
         errors = [_torque(r) - out[0] for r, out in zip(problem.inputs, runs, strict=True)]
+        if not all(np.isfinite(error).all() for error in errors):
+            raise InputError(
+                "stepped through, the fit’s own recordings give no finite torque; fit again"
+            )
         self.doubt: Doubt = doubt_of(
             result, assessment.uncertainty, [out[-DOUBT:] for out in runs], errors
         )
@@ -146,6 +150,10 @@ class Predictor:
             )
         if self.left_out:
             said.append(f"Left out, as it needs the measured torque: {listed(self.left_out)}.")
+        knowledge = self._fit.problem.settings.knowledge
+        plate = None if knowledge is None else knowledge.plate
+        if plate is not None and plate.file:
+            said.append("The torque is without that of the empty device, as the fit’s is.")
         return " ".join(said)
 
     def reset(self) -> None:
