@@ -55,7 +55,9 @@ class Prediction(Comparable):
     def __repr__(self) -> str:
         judged = "" if self.adequacy is None else f"{self.adequacy.grade}, "
         errors = f"RMSE {self.rmse:.3g} Nm, bias {self.bias:.3g} Nm"
-        return f"prediction of {self.name!r}: {judged}VAF {self.vaf:.2f} %, {errors}"
+        best = self.baselines.best
+        without = "" if best is None else f"; without a model {best:.2f} %"
+        return f"prediction of {self.name!r}: {judged}VAF {self.vaf:.2f} %, {errors}{without}"
 
     @property
     def covers(self) -> float | None:
