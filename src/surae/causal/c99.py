@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.resources import files
-from typing import Any, Literal, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -30,18 +30,23 @@ _STEPS = 400
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 
-class Stepping(Protocol):
-    """What is asked of a predictor."""
+class Stepped(Protocol):
+    """What is told of a predictor in C: how it is stepped, and what it gives of signals."""
 
-    rate_hz: float  #: Steps in a second [Hz].
-    emg: Literal["raw", "envelope"]  #: How EMG comes.
+    @property
+    def rate_hz(self) -> float:
+        """Samples in a second [Hz]."""
+
+    @property
+    def emg(self) -> str:
+        """How EMG comes."""
 
     @property
     def account(self) -> str:
-        """What it costs not to look ahead."""
+        """What causality costs."""
 
-    def run(self, angle_rad: FloatArray, emg_V: FloatArray) -> Any:
-        """Torques and their standard deviations."""
+    def run(self, angle: FloatArray, emg: FloatArray) -> Any:
+        """Torque and its standard deviation of each sample [Nm]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +74,7 @@ class CSource:
 
 
 def c_source(
-    predictor: Stepping, numbers: Numbers, result: FitResult, name: str, precision: str
+    predictor: Stepped, numbers: Numbers, result: FitResult, name: str, precision: str
 ) -> CSource:
     """The C file and header of a predictor, of a name and a precision.
 
@@ -169,7 +174,7 @@ def _rows(table: FloatArray) -> str:
     return ",\n".join(f"    {_values(row)}" for row in table)
 
 
-def _about(predictor: Stepping, result: FitResult) -> str:
+def _about(predictor: Stepped, result: FitResult) -> str:
     """What a reader has to know, as lines of a comment."""
     from textwrap import wrap
 
@@ -189,7 +194,7 @@ def _plain(text: str) -> str:
     return text.replace("’", "'").encode("ascii", "replace").decode("ascii")
 
 
-def _signals(predictor: Stepping, result: FitResult) -> FloatArray:
+def _signals(predictor: Stepped, result: FitResult) -> FloatArray:
     """Made-up signals of the size of the fit's, with the torque and its doubt, shape (n, 7)."""
     first = result.problem.inputs[0]
     low, high = (float(np.quantile(first.angle, q)) for q in (0.05, 0.95))
