@@ -76,6 +76,7 @@ SECONDS = {
         "how-much-is-nerve",
         "measure-a-leg",
         "other-programs",
+        "predict-while-measuring",
     )
 }
 SECONDS |= {
