@@ -90,7 +90,8 @@ def leg_answers(
             slope, m, disputed, _, without_weight=model is not None
         )
     parts = [] if of_fit is None else leg_cards.parts_of(of_fit)
-    made = leg_cards.made_of(joint, of_fit, parts, _)
+    made = leg_cards.made_of(joint, of_fit, parts, _, disputed=disputed is not None)
+    leads = None if of_fit is None else of_fit.get(f"slow_stiffness@{at:g}deg")
     change = None
     if joint is not None and before is not None:
         change = compared(before, joint)
@@ -112,15 +113,12 @@ def leg_answers(
         if by_rest is not None:
             stiff, picture = by_rest.said, by_rest.picture
             figures["stiffness"] = by_rest.figure
-    nerves = []
-    if nerve is not None:
-        card, drawn = nerve_card(nerve, _)
-        figures |= drawn
-        nerves = [(_("How much is nerve?"), card, "nerve")]
+    nerves, drawn = nerve_card(nerve, _)
+    figures |= drawn
     sections = (
         (_("How stiff is it?"), (*stiff, picture), "stiff"),
         (_("Tissue, muscle or tendon?"), made, "made"),
-        (_("Did it change?"), leg_cards.change_card(change, _), "change"),
+        (_("Did it change?"), leg_cards.change_card(change, _, leads), "change"),
         (
             _("Can I trust it?"),
             (
@@ -129,7 +127,7 @@ def leg_answers(
             ),
             "trust",
         ),
-        *nerves,
+        (_("How much is nerve?"), nerves, "nerve"),
     )
     return LegAnswers(
         tuple(block.Section(*card, "card") for card in sections), figures, of_fit, at, zero

@@ -30,8 +30,14 @@ class _Fast:
     heard: bool  #: Whether EMG says so.
 
 
-def nerve_card(nerve: Nerve, _: Words) -> tuple[tuple[block.Block, ...], dict[str, Figure]]:
-    """The answer, and its figures by name."""
+def nerve_card(nerve: Nerve | None, _: Words) -> tuple[tuple[block.Block, ...], dict[str, Figure]]:
+    """The answer, and its figures by name; how to measure it where it was not."""
+    if nerve is None:
+        how = _(
+            "Stretch the relaxed ankle five times slowly and five times fast, with EMG of the "
+            "calf: 2 min."
+        )
+        return (block.Text("", "say", _("Not measured")), block.Text(how)), {}
     said = list[tuple[str, str]]()
     blocks = list[block.Block]()
     figures = dict[str, Figure]()
