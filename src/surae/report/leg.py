@@ -30,7 +30,7 @@ from surae.report import block, leg_cards
 from surae.report.figures import Figure
 from surae.report.figures.leg import shares_bar, stiffness_figure
 from surae.report.language import Words
-from surae.report.nerve_card import nerve_card
+from surae.report.nerve_card import nerve_card, stiffness_of
 from surae.report.rest_card import rest_card, stated_angle
 from surae.trials import Trial
 
@@ -85,6 +85,8 @@ def leg_answers(
     slope = measured_slope(holds, stretches, at)
     if m is not None and of_fit is not None and model is not None and disputed is None:
         stiff = leg_cards.modelled_stiffness(m, of_fit, known, slope, _)
+    elif slope is None and (evoked := stiffness_of(nerve, _)):
+        stiff = evoked
     else:
         stiff = leg_cards.measured_stiffness(
             slope, m, disputed, _, without_weight=model is not None

@@ -176,7 +176,7 @@ def made_of(
         if _no_calf(joint):
             why = _("Record the same trial with EMG of soleus and both gastrocnemii: 35 s.")
     elif of_fit.adequacy.grade is Grade.INADEQUATE:
-        why = _("The fit is not good enough.") + " " + _("Mend what the last card names first.")
+        why = _("The fit is not good enough: first do what “Can I trust it?” says.")
     if why:
         return block.Text("", "say", _("Cannot separate")), block.Text(why), _tendon(of_fit, _)
     unheard = _no_calf(joint)

@@ -87,6 +87,20 @@ def nerve_card(nerve: Nerve | None, _: Words) -> tuple[tuple[block.Block, ...], 
     return (*lines, *blocks), figures
 
 
+def stiffness_of(nerve: Nerve | None, _: Words) -> tuple[block.Block, ...]:
+    """Stiffness against small movements, where that alone was measured; empty where it was not."""
+    stiff = None if nerve is None else nerve.stiffness
+    if stiff is None or stiff.value is None:
+        return ()
+    value, low, high = (_short(float(np.deg2rad(v)), _) for v in (stiff.value, *stiff.ci95))
+    text = _(
+        "against small random movements, tissue and muscle together · 95 %: {span}",
+        span=_.span(low, high),
+    )
+    how = _("At rest: record one slow relaxed movement over the whole range, 30 s.")
+    return block.Text(text, "say", f"{value} Nm/°"), block.Text(how)
+
+
 def _calf(stretches: Sequence[StretchTorque]) -> list[StretchTorque]:
     return [s for s in stretches if s.direction == "dorsiflexion"]
 
