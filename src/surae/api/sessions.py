@@ -18,6 +18,7 @@ from surae.model.knowledge_file import SESSION_TOML, SessionFile, known_from, re
 from surae.model.knowledge_words import lines_of
 from surae.model.laboratory import AUTO
 from surae.recording import Recording
+from surae.recording.beside import description_beside
 from surae.recording.corrections import CorrectionKeywords, Corrections
 from surae.recording.described import TrialDescription
 from surae.recording.mapping import Description
@@ -244,8 +245,16 @@ def _session_file(paths: Sequence[Any]) -> SessionFile:
 def _recording(
     name: str, path: Path, description: Description | None, right: Corrections
 ) -> Recording:
-    """A file as it is read."""
-    return right(read(path) if description is None else description.read(path, name))
+    """A file as it is read; where it does not say what it holds, a mapping beside it may."""
+    if description is not None:
+        return right(description.read(path, name))
+    try:
+        recording = read(path)
+    except InputError as error:
+        if type(error) is not InputError or (beside := description_beside(path)) is None:
+            raise
+        recording = beside.read(path, name)
+    return right(recording)
 
 
 def _reading(name: str, path: Path, description: Description | None, right: Corrections) -> Reading:
