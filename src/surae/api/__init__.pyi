@@ -40,6 +40,7 @@ from surae.api.session_result import SessionResult as SessionResult
 from surae.api.session_result import load_session as load_session
 from surae.api.session_run import Step as Step
 from surae.api.sessions import Session as Session
+from surae.api.sessions import files_of_trials as files_of_trials
 from surae.api.sessions import session as session
 from surae.api.simulation import simulate as simulate
 from surae.api.simulation import simulate_parts as simulate_parts

@@ -212,6 +212,12 @@ def session(
     )
 
 
+def files_of_trials(folder: PathLike, mapping: PathLike | None = None) -> tuple[Path, ...]:
+    """The files of a folder that a session takes for its trials, in their order."""
+    description = None if mapping is None else Description.of(open_mapping(mapping))
+    return tuple(trial_files([folder], description, _session_file([folder]).aside).values())
+
+
 def _refuse_unusable(readings: Sequence[Reading], description: Description | None) -> None:
     """Refuse trials of one name, none at all, none that can be read, and a mapping of others."""
     names = [reading.name for reading in readings]

@@ -9,6 +9,7 @@ import click
 from surae import api
 from surae.base.errors import ComputationError, InputError
 from surae.base.files import shown
+from surae.cli.grouped import Grouped
 from surae.cli.options import (
     LANGUAGE,
     MAPPING,
@@ -22,7 +23,7 @@ from surae.cli.progress import StoppedError, Work, compilation_notice, work
 from surae.cli.screen import show_files, show_line, show_table
 
 
-@click.command("session")
+@click.command("session", cls=Grouped)
 @click.argument("recordings", metavar="FILES|DIR", nargs=-1, required=True)
 @MAPPING
 @corrections

@@ -8,14 +8,14 @@ import click
 from surae import api
 from surae.base.files import shown, write_json
 from surae.cli.options import EXCLUDE, MAPPING, corrections
-from surae.cli.paths import check_outputs
+from surae.cli.paths import check_outputs, in_folders
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_files, show_line, show_predictions
 
 
 @click.command("validate")
-@click.argument("fitted", metavar="FIT.json")
-@click.argument("recordings", metavar="REC…", nargs=-1, required=True)
+@click.argument("fitted", metavar="FIT.json|DIR")
+@click.argument("recordings", metavar="REC…|DIR", nargs=-1, required=True)
 @MAPPING
 @corrections
 @click.option(
@@ -37,6 +37,7 @@ def command(
     corrections: dict[str, Any],
 ) -> None:
     """Predict the torque of other recordings with the parameters of a fit."""
+    recordings = in_folders(recordings, mapping)
     api.check_report(report)
     measured = [api.read(path, mapping=mapping, **corrections) for path in recordings]
     check_outputs(
@@ -44,7 +45,7 @@ def command(
         [fitted, *(f.path for recording in measured for f in recording.files)],
     )
 
-    fit = api.load(fitted)
+    fit = api.fit_of(fitted)
     weights = api.Weighting(exclude) if exclude else None
     with compilation_notice():
         predictions = api.validate(fit, measured, prepared=prepared, weights=weights)

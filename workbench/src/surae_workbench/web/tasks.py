@@ -88,11 +88,21 @@ def session(task: Task) -> dict[str, Any]:
 
     first = {_: api.first_answer(leg.trials, api.words_in(_)) for _ in LANGUAGES}
 
+    lines: list[dict[str, Any]] = []
+    begun = last = time.monotonic()
+
     def progress(step: "api.Step") -> None:
-        tell({"what": step.what, "done": step.done, "total": step.total, "first": first})
+        nonlocal last
+        if step.outcome:  # what ended, with what came of it and how long it took
+            now = time.monotonic()
+            lines.append({"what": step.what, "outcome": step.outcome, "seconds": now - last})
+            last = now
+        news = {"what": step.what, "done": step.done, "total": step.total, "left_s": step.left_s}
+        tell({**news, "first": first, "lines": lines})
 
     with _compiling():
         result = leg.run(None, settings, progress=progress, workers=None)
+    lines.append({"what": "fits", "outcome": "", "seconds": time.monotonic() - begun})
     fits = {**result.fits, **({} if result.joint is None else {"joint": result.joint})}
     for name, fitted in fits.items():
         fitted.save(_file(task, "fit", task["fits"][name]))

@@ -9,7 +9,7 @@ import { latest } from "../core/pace.js";
 import { demoButton } from "../ui/demo.js";
 import { active, jobControls, progressText } from "../ui/jobs.js";
 import { trialList } from "../ui/trials.js";
-import { _, language } from "../core/words.js";
+import { _, language, many } from "../core/words.js";
 
 const box = { page: byId("error"), fit: byId("new-error") };
 let recordings = [];
@@ -65,10 +65,17 @@ function effort(one) {
   return knob;
 }
 
+/** How long it still takes, as the command line says it; nothing while nobody knows. */
+function left(time) {
+  if (time === null || time === undefined) return "";
+  return time >= 90 ? many("about {n} min left", "about {n} min left", Math.round(time / 60)) : _("about {s} s left", { s: Math.max(Math.round(time), 1) });
+}
+
 const controls = jobControls({ start: byId("start"), stop: byId("stop"), said: byId("said"), bar: byId("progress") }, box.fit, {
   progress: (report) => {
     byId("first").textContent = report.first?.[language] ?? "";
-    return report.total ? `${language === "en" ? `${report.what}: ` : ""}${_("{done} of {total} steps are done", report)}` : progressText(report, "");
+    replace(byId("ended"), (report.lines ?? []).map((one) => h("li", {}, h("strong", {}, _(one.what)), ` ${_(one.outcome)} `, h("span", { class: "muted small" }, seconds(one.seconds)))));
+    return report.total ? [`${_(report.what)}: ${_("{done} of {total} steps are done", report)}`, left(report.left_s)].filter(Boolean).join("; ") : progressText(report, "");
   },
   ended: (now) => {
     if (now.state === "done") location.href = `/sessions/${now.result}`;
