@@ -280,7 +280,15 @@ def change(comparison: str, language: str) -> str:
 def _compared(comparison: str, language: str) -> dict[str, Any]:
     asked = json.loads(comparison)
     visits = [(name, date.fromisoformat(day), *rest) for name, day, *rest in asked["visits"]]
-    return api.visits_blocks(visits, asked["before"], asked["after"], language)
+    pair = asked["before"], asked["after"]
+    try:
+        return api.visits_blocks(visits, *pair, language, asked.get("question", ()))
+    except InputError as error:  # these visits have no such measure: what they have is shown
+        if not asked.get("question"):
+            raise
+        made = api.visits_blocks(visits, *pair, language)
+        note = {"kind": "paragraph", "text": str(error), "look": "note"}
+        return {**made, "blocks": [note, *made["blocks"]]}
 
 
 def nerve(recordings: Mapping[str, str], by: str, language: str, output: str = "") -> str:
