@@ -36,7 +36,11 @@ def command(
     report: str | None,
     corrections: dict[str, Any],
 ) -> None:
-    """Predict the torque of other recordings with the parameters of a fit."""
+    """Predict the torque of other recordings with the parameters of a fit.
+
+    DIR is the folder of a session, whose joint fit is taken. Beside each prediction stands what is
+    predicted without a model.
+    """
     recordings = in_folders(recordings, mapping)
     api.check_report(report)
     measured = [api.read(path, mapping=mapping, **corrections) for path in recordings]
@@ -69,9 +73,10 @@ def _table(paths: Sequence[str], predictions: Sequence["api.Prediction"]) -> lis
         row = {"path": path, "vaf": p.vaf, "rmse_Nm": p.rmse, "bias_Nm": p.bias}
         if (covers := p.covers) is not None:
             row["torque_ci95_covers"] = covers
-        for name, share in (("template", p.baselines.template), ("ridge", p.baselines.ridge)):
-            if share is not None:
-                row[f"{name}_vaf"] = share
+        for name in ("template", "ridge"):
+            row[f"{name}_vaf"] = getattr(p.baselines, name)
+            if reason := getattr(p.baselines, f"{name}_reason"):
+                row[f"{name}_reason"] = reason
         if (judged := p.adequacy) is not None:
             row |= {"r2": judged.r2, "grade": str(judged.grade), "reasons": list(judged.reasons)}
         if p.fascicles:
