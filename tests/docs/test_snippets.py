@@ -54,6 +54,8 @@ LONG = {
     for page in (
         "start",
         "clinicians",
+        "readers/student",
+        "readers/researcher",
         "how-to/run-a-cohort",
         "how-to/sessions",
         "how-to/run-a-study",

@@ -44,10 +44,13 @@ from surae.api.session_result import SessionResult as SessionResult
 from surae.api.session_result import load_session as load_session
 from surae.api.session_run.progress import Step as Step
 from surae.api.sessions import Session as Session
+from surae.api.sessions import files_of_trials as files_of_trials
 from surae.api.sessions import session as session
 from surae.api.simulation import simulate as simulate
 from surae.api.simulation import simulate_parts as simulate_parts
 from surae.api.simulation import simulate_tendon as simulate_tendon
+from surae.api.simulation import to_read as to_read
+from surae.api.simulation import to_simulate as to_simulate
 from surae.api.visits import visits_blocks as visits_blocks
 from surae.base.formatting import NO_NUMBER as NO_NUMBER
 from surae.base.formatting import estimate as estimate

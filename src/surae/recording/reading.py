@@ -12,6 +12,7 @@ from surae.base.files import PathLike, shown
 from surae.base.frozen import freeze
 from surae.base.units import SI, plain
 from surae.recording import hdf5, opensim
+from surae.recording.beside import description_beside
 from surae.recording.channels import Scaling, channel, settle_unit
 from surae.recording.corrections import Corrections
 from surae.recording.described import MappedRecording
@@ -77,9 +78,19 @@ def read(
         return corrections(Description.of(open_mapping(mapping)).read(path))
     source = open_source(path)
     described = read_described(source)
-    return corrections(
-        described or recording_of_table(open_table(source), source.name, (source.file,))
-    )
+    if described is not None:
+        return corrections(described)
+    table = open_table(source)
+    try:
+        recording = recording_of_table(table, source.name, (source.file,))
+    except InputError as error:
+        if type(error) is InputError and (other := description_beside(path, table.names)):
+            raise InputError(
+                f"{error}; {other.source.shown} describes a file with these columns: it reads this "
+                f"one too as mapping (--mapping {other.source.shown})"
+            ) from None
+        raise
+    return corrections(recording)
 
 
 def read_trials(

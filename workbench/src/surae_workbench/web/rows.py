@@ -130,6 +130,7 @@ class _Session(_Row):
     content: _SessionContent
     settings: dict[str, Any]
     before: _Id | None = None
+    question: str | None = None
 
 
 class _Study(_Row):
