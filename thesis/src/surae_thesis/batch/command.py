@@ -47,7 +47,6 @@ _MODELS = "1.0,2.0,2.1,2.2"
 @click.option(
     "--only",
     type=click.Choice(["spectra", "snsem"]),
-    default="",
     help="Spectra of repetitions, without a fit; or fits and snSEM, without predictions.",
 )
 @settings_options(*api.FIT_RECORDS[:-1])
@@ -61,7 +60,7 @@ def command(
     models: str,
     fixed_set: tuple[str, ...],
     name: str,
-    only: str,
+    only: str | None,
     store: str,
     output: str,
     workers: int | None,
@@ -90,7 +89,7 @@ def command(
     check_outputs({"--store": store}, [])
     found = files.find_trials(recordings, mapping, name)
     read = {"mapping": mapping, "corrections": json.dumps(corrections, sort_keys=True)}
-    batch = table.Batch(found, {} if only == "spectra" else settings, read, only)
+    batch = table.Batch(found, {} if only == "spectra" else settings, read, only or "")
     subjects, protocols = ({getattr(t, of) for t in found} for of in ("subject", "protocol"))
     show_line(
         f"{len(found)} recordings of {len(subjects)} subjects, protocols: "
