@@ -9,6 +9,7 @@ from surae.inference.diagnosis.angle import wrong_angle
 from surae.inference.diagnosis.clocks import clock_drift, clock_finding
 from surae.inference.diagnosis.competing import GOOD_ENOUGH, Rivals, best_of, rivals, signs
 from surae.inference.diagnosis.explanations import EVIDENCE, EXPLAINS, evidence
+from surae.inference.diagnosis.long import examined_in_windows, is_long
 from surae.inference.diagnosis.quick import QuickFit, percent, quick_fit
 from surae.inference.diagnosis.units import wrong_units
 from surae.quality import Commanded, Finding, Quality, Skipped, check_recording
@@ -47,8 +48,25 @@ def examined(
     What is wrong is put right before the checks look, so that what follows from it is no finding.
     Only what a fit reads is judged. `commanded` is the motion that the device was to follow,
     `left_out` are windows (start and end [s]) that do not count. `electrodes` are what all trials
-    of the leg show of theirs; without them the trial is judged against itself.
+    of the leg show of theirs; without them the trial is judged against itself. One of hours is
+    judged in windows.
     """
+    if not is_long(recording):
+        return _examined(recording, commanded, left_out, electrodes)
+    reads, beside = used(recording, left_out)
+    quality = examined_in_windows(
+        reads, lambda window, known: _examined(window, commanded, (), known), electrodes
+    )
+    return replace(quality, findings=ordered([*beside, *quality.findings]))
+
+
+def _examined(
+    recording: Recording,
+    commanded: Commanded | None,
+    left_out: Iterable[Sequence[float]],
+    electrodes: Electrodes | None,
+) -> Quality:
+    """All findings of a trial."""
     findings, right = wrong_units(recording, electrodes)
     if electrodes is not None:
         electrodes = electrodes.in_units(recording, right)
