@@ -5,11 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from surae.base.words import Message
 from surae.inference.diagnosis.angle import wrong_angle
-from surae.inference.diagnosis.clocks import clock_drift, clock_finding
+from surae.inference.diagnosis.clocks import clock_drift, clock_finding, estimated_clock
 from surae.inference.diagnosis.competing import GOOD_ENOUGH, Rivals, best_of, rivals, signs
 from surae.inference.diagnosis.explanations import EVIDENCE, EXPLAINS, evidence
 from surae.inference.diagnosis.long import examined_in_windows, is_long
+from surae.inference.diagnosis.moving import moved
 from surae.inference.diagnosis.quick import QuickFit, percent, quick_fit
 from surae.inference.diagnosis.units import wrong_units
 from surae.quality import Commanded, Finding, Quality, Skipped, check_recording
@@ -127,7 +129,10 @@ def _by_fit(
     late = [f for f in quality.findings if f.code == "electrode-lag"]
     # a group without one of its muscles seems to change
     whole = not any(f.code == "emg-flat" and f.severity == "error" for f in quality.findings)
-    findings = [*best_of(signals, tries, late=not late and steady, slow=whole)]
+    findings = [
+        _with_interval(each, right, signals, tries)
+        for each in best_of(signals, tries, late=not late and steady, slow=whole)
+    ]
     false = [lag for lag in late if not _explains(lag, right, signals, fit)]
     false += [f for f in quality.findings if f.code == "emg-torque-lag"]
     against = [f for f in quality.findings if f.code == "torque-sign"]
@@ -144,6 +149,21 @@ def _by_fit(
         if not fit.zero * beyond >= _AGREED * beyond**2:
             false.append(constant)
     return findings, false
+
+
+def _with_interval(
+    finding: Finding, recording: Recording, signals: Signals, tries: Rivals
+) -> Finding:
+    """A lag of all electrodes with its 95 % interval, where it can be told."""
+    if finding.code != "emg-torque-lag" or tries.lag is None or tries.lag.how.fit is None:
+        return finding
+    there = moved(signals, tries.lag.seconds, 0.0)
+    beyond = estimated_clock(recording, there, tries.lag.how.fit, hinted=False)
+    if beyond is None:
+        return finding
+    ends = [1e3 * abs(tries.lag.seconds + edge) for edge in beyond.lag_ci95]
+    says = Message("found/lag", says=finding.message, low=min(ends), high=max(ends))
+    return replace(finding, message=says)
 
 
 def _together(quality: Quality, findings: list[Finding], but: tuple[str, ...] = ()) -> Quality:
