@@ -24,6 +24,10 @@ _TIME, _BESIDE, _PART = (set(WORDS[each]) for each in ("time", "beside_time", "p
 _WITH_UNIT = re.compile(
     r"(?P<name>.*?)\s*(?:[(\[]\s*(?P<in>[^()\[\]]{1,20}?)\s*[)\]]|[,:]\s*(?P<behind>[^\s,:]+))\s*"
 )
+#: What stands in brackets where a column has times of day or of a stopwatch.
+_OF_CLOCK = re.compile(
+    r"(?:h{1,2}:)?m{1,2}:s{1,2}(?:[.,:][a-z0]{1,9})?|h{1,2}:m{1,2}", re.IGNORECASE
+)
 _LAST = re.compile(r"(?P<name>.*[^\W_])[_ ](?P<in>[^\W_]+)")
 #: What clocks show between the years 2000 and 2050, by their unit: from 1970 on, .NET's ticks of
 #: 100 ns from the year 1.
@@ -74,7 +78,8 @@ def time_named(name: str) -> Clock | None:
     alone = spelled(plain(bare).strip(" _%"))
     if not unit and alone in FACTORS["time"] and len(words) == 1 and len(words[0]) > 2:
         return Clock(name, str(alone), "its name is a unit of time")  # Seconds, millis
-    if (other := unit_in_name(name)) and not unit and other.casefold() not in _BESIDE:
+    other = "" if unit else unit_in_name(name)
+    if other and other.casefold() not in _BESIDE and not _OF_CLOCK.fullmatch(other):
         return None
     if words == ("t",) or (words and {*words} <= _TIME | _BESIDE and {*words} & _TIME):
         return Clock(name, unit, "its name")
@@ -138,9 +143,13 @@ def seconds(unit: str, name: str, where: str) -> float:
     """
     known = FACTORS["time"].get(spelled(unit) or "")
     if known is None:
-        percent = " (a movement in percent has no speed)" * ("%" in unit or "percent" in unit)
+        if "%" in unit or "percent" in unit:
+            raise InputError(
+                f"{where}, column {name!r}: a movement in percent has no speed; give the recording "
+                "as it was measured, with its times"
+            )
         raise InputError(
-            f"{where}, column {name!r}: unit {unit!r} is not known for time{percent}; use "
+            f"{where}, column {name!r}: unit {unit!r} is not known for time; use "
             "time_s or time_ms, time_us, time_ns, time_min or time_h"
         )
     return known
