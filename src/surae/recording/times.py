@@ -63,6 +63,11 @@ def split_unit(name: str) -> tuple[str, str]:
     return name, ""
 
 
+def is_clocks(unit: str) -> bool:
+    """Whether what stands for a unit says how a time of day is written: ``hh:mm:ss``."""
+    return _OF_CLOCK.fullmatch(unit) is not None
+
+
 def unit_in_name(name: str) -> str:
     """What a name says in brackets where a unit would be; empty where it has none."""
     match = _WITH_UNIT.fullmatch(name.strip())
@@ -74,12 +79,14 @@ def time_named(name: str) -> Clock | None:
     if "%" in name.removeprefix("%time"):
         return None
     bare, unit = split_unit(name)
+    other = "" if unit else unit_in_name(name)
+    if is_clocks(other):
+        bare, other = name.partition(other)[0], ""
     words = words_of(bare)
     alone = spelled(plain(bare).strip(" _%"))
     if not unit and alone in FACTORS["time"] and len(words) == 1 and len(words[0]) > 2:
         return Clock(name, str(alone), "its name is a unit of time")  # Seconds, millis
-    other = "" if unit else unit_in_name(name)
-    if other and other.casefold() not in _BESIDE and not _OF_CLOCK.fullmatch(other):
+    if other and other.casefold() not in _BESIDE:
         return None
     if words == ("t",) or (words and {*words} <= _TIME | _BESIDE and {*words} & _TIME):
         return Clock(name, unit, "its name")
