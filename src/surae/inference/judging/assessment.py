@@ -260,9 +260,9 @@ def _by_covariance(
         narrowed=narrowed,
         noise=alone,
     )
-    if verdict is Verdict.IDENTIFIED and result.solution.is_alone:
+    if verdict is Verdict.IDENTIFIED and (why := result.solution.one_start):
         verdict = Verdict.WEAK
-        note = Message("note/but", known=note, but=Message("note/one-start"))
+        note = Message("note/but", known=note, but=Message(why))
     if against is not None and repeatable and verdict is not Verdict.IDENTIFIED:
         note = Message(
             "note/contradicted",
