@@ -28,6 +28,7 @@ from surae.model.parameters import JOINT_RESTS, OPTIONAL
 from surae.model.symmetry import with_paths
 from surae.model.tendon import TendonCurve, tendon_curve
 from surae.signals import ModelInputs
+from surae.signals.resample import thinned, thinning_factor
 
 #: Triceps surae and tibialis anterior, in the order of everything that has two groups.
 GROUPS = ("tri", "tib")
@@ -42,6 +43,9 @@ _STILL = 1e-9
 _DEGREE = np.pi / 180.0
 #: How parameters begin that are the paths and curves of a leg.
 _OF_LEG = ("arm_", "path_", "length_", "fl_", "fv_", "joint_")
+#: Rate [Hz] at which recordings tell how a leg changes them, and samples that they keep at least.
+_RATE_HZ = 64.0
+_SAMPLES = 400
 #: Angles between which a length is looked for [deg].
 _ENDS = (-150.0, 150.0)
 
@@ -434,6 +438,16 @@ def leg_of(result: FitResult) -> Leg:
     moved = measured_range(result, _MOVED)
     gained = result.solution.gained
     return Leg(problem.spec, problem.options, result.values, problem.inputs, moved, gained)
+
+
+def thinned_leg(leg: Leg) -> Leg:
+    """The leg in recordings at a rate that tells how it changes them, if not each of their samples.
+
+    A derivative of a share or of a percentile is the same from half of the samples or an eighth.
+    """
+    inputs = tuple(thinned(r, thinning_factor(r, _RATE_HZ, _SAMPLES)) for r in leg.inputs)
+    fresh: dict[str, Any] = {"_ties": [], "_holds": {}, "_muscles": {}, "_angles": {}}
+    return replace(leg, inputs=inputs, **fresh)
 
 
 def of_any_path(leg: Leg) -> Leg:
