@@ -56,7 +56,13 @@ _SCALED: dict[str, tuple[str, float]] = {
     word: (unit, float(scale)) for word, (unit, scale) in _KNOWN_HERE["scaled"].items()
 }
 #: Kind of signal by the first word of roles that have a second.
-_KINDS = {"emg": "emg", "fascicle": "length", "pennation": "angle", "second": "angle"}
+_KINDS = {
+    "emg": "emg",
+    "fascicle": "length",
+    "pennation": "angle",
+    "second": "angle",
+    "commanded": "angle",
+}
 #: What may stand between the parts of a unit, and what makes them others.
 _JOINED = re.compile(r"[\s.·⋅*×_-]")
 _BETWEEN = re.compile(r"\s*[\s.·⋅*×_-]\s*")

@@ -259,7 +259,9 @@ def _sidecar(
 
 def _channels(recording: Recording) -> list[tuple[str, ...]]:
     """The table of channels."""
-    rows = [("name", "type", "units", "description", "sampling_frequency", "target_muscle")]
+    rows: list[tuple[str, ...]] = [
+        ("name", "type", "units", "description", "sampling_frequency", "target_muscle")
+    ]
     for role, channel in recording.signals.items():
         muscle = MUSCLE_NAMES.get(role.removeprefix("emg_"), "n/a")
         kind = "EMG" if role.startswith("emg_") else "MISC"
@@ -272,7 +274,9 @@ def _channels(recording: Recording) -> list[tuple[str, ...]]:
 
 def _parameters(fit: AssessedFit) -> list[tuple[str, ...]]:
     """The fit's parameters with their intervals."""
-    rows = [("name", "value", "units", "ci95_low", "ci95_high", "verdict", "description")]
+    rows: list[tuple[str, ...]] = [
+        ("name", "value", "units", "ci95_low", "ci95_high", "verdict", "description")
+    ]
     for p in fit.assessment.parameters.values():
         low, high = ("n/a", "n/a") if p.ci95 is None else map(repr, map(float, p.ci95))
         rows.append((p.name, repr(float(p.value)), p.unit, low, high, str(p.verdict), p.meaning))

@@ -12,7 +12,7 @@ from surae.inference import AssessedFit, Verdict
 from surae.inference.judging.parameter import percent
 from surae.inference.judging.reasons import OF_STIFFNESS, Scope, scopes_of
 from surae.inference.judging.verdict import ANGLE, PART, verdict_of
-from surae.inference.uncertainty.combined import Uncertainty
+from surae.inference.uncertainty.combined import ZERO, Uncertainty
 from surae.measures.bent import drawn_legs
 from surae.measures.beyond import extrapolated
 from surae.measures.leg import leg_of
@@ -86,10 +86,24 @@ def _measure(evaluated: Evaluated, drawn: FloatArray | None, fit: AssessedFit) -
         _with_sdc(bare, evaluated, (ci95[1] - ci95[0]) / (2.0 * half) if half > 0.0 else 1.0, fit),
         ci95=ci95,
         ci95_repeat=(repeat[0], repeat[1]),
+        ci95_device=_by_device(evaluated, known, ci95, half),
         verdict=verdict,
         note=note,
         method=method,
     )
+
+
+def _by_device(
+    evaluated: Evaluated, known: Uncertainty, ci95: tuple[float, float], half: float
+) -> tuple[float, float] | None:
+    """The interval of one that counts from the angle's zero, without the error of that zero."""
+    value = evaluated.value
+    if value is None or not evaluated.point.definition.from_zero or not half > 0.0:
+        return None
+    zero = [name in (ZERO, "angle_zero") for name in known.names]
+    share = known.half_width(np.where(zero, 0.0, evaluated.gradient)) / half
+    low, high = (value + share * (end - value) for end in ci95)
+    return low, high
 
 
 def _with_sdc(bare: Measure, evaluated: Evaluated, bent: float, fit: AssessedFit) -> Measure:

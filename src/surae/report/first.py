@@ -11,7 +11,8 @@ from surae.inference import AssessedFit, FitResult
 from surae.inference.relaxed.curve import RelaxedCurve
 from surae.measures import Measure
 from surae.measures.at_rest import measures_at, rest_of_fit
-from surae.measures.compute import ANGLES, judged_measures, points
+from surae.measures.compute import judged_measures
+from surae.measures.points import ANGLES, points
 from surae.measures.table import INVARIANT
 from surae.measures.torque_curve import torque_curve
 from surae.report import block

@@ -88,7 +88,7 @@ def recording_section(
             (over if count else "")
             + joint.worded(
                 "EMG envelopes, ankle angle, measured (wide, pale) and modelled (thin, dark) "
-                "torque, and the parts of the modelled torque: passive tissue, neural (active "
+                "torque, and the parts of the modelled torque: passive tissue, muscle (active "
                 "contraction), inertia and gravity of foot and footplate."
             ),
             "still cycles" if count else "still",

@@ -93,7 +93,7 @@ def test_the_trials_of_a_leg_come_in_at_once(desk: Desk, csv: Path, tmp_path: Pa
 def test_who_was_left_behind_lends_nothing_to_the_next(
     desk: Desk, csv: Path, tmp_path: Path
 ) -> None:
-    """Files of a leg that somebody began to import, and those of another leg with the same names."""
+    """Files of a leg whose import was left, and those of another leg with the same names."""
     legs = {who: tmp_path / f"{who} left 4 maart 2026" for who in ("S21", "S22")}
     for folder in legs.values():
         folder.mkdir()

@@ -9,10 +9,10 @@ import numpy as np
 from surae.base.units import FloatArray
 from surae.model.simulator import TorqueParts
 from surae.report import figures
-from surae.report.cycles import find_cycles
 from surae.report.figures import INK, MUTED, Figure
 from surae.report.figures.torque import draw_angle, draw_parts, draw_torque, shown_span
 from surae.report.traces import Traces
+from surae.signals.cycles import find_cycles
 
 #: Recordings that stand beside each other at most; all others are below.
 SHOWN = 8

@@ -15,7 +15,7 @@ from surae.recording import MUSCLES
 from surae.report import figures
 from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED, WIDTH
 from surae.report.provenance import excluded_spans
-from surae.report.traces import Traces, traces_of
+from surae.report.traces import PARTS, Traces, traces_of
 from surae.signals.cycles import Cycles, find_cycles
 
 __all__ = [
@@ -178,12 +178,12 @@ def draw_parts(row: _Row, traces: Traces, cycles: Cycles | None = None) -> None:
         ("inertial", {"color": INK, "linewidth": 1.0, "linestyle": (0, (1, 1.2))}),
         ("gravitational", {"color": OCHRE, "linewidth": 1.5, "linestyle": (0, (5, 2))}),
     ]
-    if parts.reflex is not None:  # within the neural part, not beside it
+    if parts.reflex is not None:  # within what the muscles add, not beside it
         looks.append(("reflex", {"color": INK, "linewidth": 1.2, "linestyle": (0, (4, 1, 1, 1))}))
     if parts.zero is not None:
         looks.append(("zero", {"color": MUTED, "linewidth": 2.0, "linestyle": (0, (2, 3))}))
     for name, look in looks:
-        _draw(row, traces, cycles, getattr(parts, name), look, name)
+        _draw(row, traces, cycles, getattr(parts, name), look, PARTS.get(name, name))
     figures.legend(row[0], len(looks))
 
 

@@ -47,6 +47,12 @@ _MODELS = "1.0,2.0,2.1,2.2"
     help="How paths are named, as {subject}/{protocol}-{repetition}.  "
     "[default: subject first, repetition last, between / or _]",
 )
+@click.option(
+    "--only",
+    type=click.Choice(["spectra", "snsem"]),
+    default="",
+    help="Spectra of repetitions, without a fit; or fits and snSEM, without predictions.",
+)
 @settings_options(*api.FIT_RECORDS[:-1])
 @click.option("--store", required=True, metavar="B.db", help="Keeps every finished fit.")
 @click.option("--output", required=True, metavar="OUT/", help="Folder of tables and page.")
@@ -68,6 +74,7 @@ def command(
     models: str,
     fixed_set: tuple[str, ...],
     name: str,
+    only: str,
     store: str,
     output: str,
     keep: str | None,
@@ -99,9 +106,12 @@ def command(
     found = files.find_trials(recordings, mapping, name)
     read = {"mapping": mapping, "corrections": json.dumps(corrections, sort_keys=True)}
     place = check_place(keep or str(Path(output, "fits")))
-    batch = plan.Batch(found, settings, read, place, sessions)
+    if only and sessions:
+        raise InputError(f"--only {only} is of single recordings; leave out --sessions")
+    wanted = {} if only == "spectra" else settings
+    batch = plan.Batch(found, wanted, read, place=place, sessions=sessions, only=only)
     subjects, protocols = ({getattr(t, of) for t in found} for of in ("subject", "protocol"))
-    fits = len(subjects if sessions else found) * len(settings)
+    fits = len(subjects if sessions else found) * len(batch.settings)
     show_line(
         f"{len(found)} recordings of {len(subjects)} subjects, protocols: "
         f"{', '.join(sorted(protocols))}; {fits} {'sessions' if sessions else 'fits'}"
@@ -118,12 +128,12 @@ def command(
                 "command to go on"
             ) from None
         show_line(f"all there; {now:,} computed now in {time.perf_counter() - begin:.0f} s")
-        worked = _written(opened, Path(output), sessions=sessions)
+        worked = _written(opened, Path(output), sessions=sessions, only=only)
     if not worked:
         raise ComputationError("every fit failed, so the batch says nothing; the tables say why")
 
 
-def _written(opened: "table.BatchStore", output: Path, *, sessions: bool) -> bool:
+def _written(opened: "table.BatchStore", output: Path, *, sessions: bool, only: str) -> bool:
     """Write all tables and the page; whether any fit did not fail."""
     from surae_thesis.batch import pieces, table
     from surae_thesis.batch.answers import answers
@@ -133,13 +143,17 @@ def _written(opened: "table.BatchStore", output: Path, *, sessions: bool) -> boo
     pieces.write_pieces(
         output, "table", columns, lambda: table.fit_rows(opened.outcomes(), columns)
     )
-    failed = columns.index("status")
-    worked = any(row[failed] != "failed" for row in table.fit_rows(opened.outcomes(), columns))
+    worked = only == "spectra"
+    if not worked:
+        failed = columns.index("status")
+        worked = any(row[failed] != "failed" for row in table.fit_rows(opened.outcomes(), columns))
     if not sessions:
         curves = lambda: table.relaxed_rows(opened.outcomes())  # noqa: E731
         pieces.write_pieces(output, "relaxed", table.RELAXED, curves)
         result = answers(list(opened.outcomes()))
         summary = result.tables[0]
+        if only == "spectra":
+            summary = next(t for t in result.tables if t.name == "batch-repetitions")
         show_table(summary.columns[:7], [tuple(map(_cell, row[:7])) for row in summary.rows])
         page = write_result(output, "batch", "A cohort, fitted", result)
         show_line(f"page: {shown(page)}")

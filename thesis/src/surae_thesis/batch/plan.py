@@ -34,6 +34,9 @@ class Batch:
     read: Mapping[str, Any]
     place: str = ""  #: Folder or URL that every FIT.json is kept in; empty: none is.
     sessions: bool = False  #: Whether all recordings of a subject are one session.
+    #: "spectra": how those of repetitions differ, without a fit; "snsem": fits and the simulations
+    #: that their standard errors are compared with, without predictions; empty: everything.
+    only: str = ""
     _of: dict[str, list[NamedTrial]] = field(init=False, default_factory=dict, repr=False)
     _plain: dict[tuple[str, str], Plain] = field(init=False, default_factory=dict, repr=False)
 
@@ -65,7 +68,8 @@ class Batch:
                 if trial.repetition == begun[trial.protocol]:
                     first.setdefault(trial.protocol, []).append(trial)
                 about = asdict(trial)
-                yield {"kind": "trial", **about}
+                if self.only != "snsem":
+                    yield {"kind": "trial", **about}
                 for model, fixed in self.settings:
                     yield {"kind": "fit", **about, "model": model, "fixed": fixed}
         yield from self._simulations(first)
@@ -94,7 +98,7 @@ class Batch:
         if label["kind"] == "session":
             each = [self.where(trial) for trial in self._of[label["subject"]]]
             return "session_job", {"name": label["subject"], "each": each, "settings": settings}
-        own = self._of[label["subject"]]
+        own = [] if self.only else self._of[label["subject"]]
         others = {t.name: self.where(t) for t in own if t.path != label["path"]}
         return "fit_job", {"where": where, "settings": settings, "others": others}
 
