@@ -1,6 +1,5 @@
 """The first screen of a fit's report: what was asked, a picture, and what came out with its ±."""
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -10,9 +9,10 @@ from surae.base.words import Message
 from surae.inference import AssessedFit, FitResult
 from surae.inference.relaxed.curve import RelaxedCurve
 from surae.measures import Measure
-from surae.measures.at_rest import measures_at, rest_of_fit
+from surae.measures.at_rest import rest_of_fit
 from surae.measures.compute import judged_measures
 from surae.measures.points import ANGLES, points
+from surae.measures.rest.judged import rated_measures
 from surae.measures.table import INVARIANT
 from surae.measures.torque_curve import torque_curve
 from surae.report import block
@@ -116,7 +116,8 @@ def _measures(fit: AssessedFit, curve: RelaxedCurve | Message) -> tuple[float, t
     at = angle_of(fit)
     slow = False
     if isinstance(curve, RelaxedCurve):
-        by_rest = [m.measure for m in measures_at(curve, fit.result, (at, *ANGLES), math.inf)]
+        rated = rated_measures(curve, (at, *ANGLES))
+        by_rest = [m.measure for m in rated if m.measure.value is not None]
         at = stated_angle({m.name: m for m in by_rest}, at)
         slow = f"slow_stiffness@{at:g}deg" in {m.name for m in by_rest}
     names = {*_RELAXED, *(definition.name for definition in INVARIANT)}
