@@ -14,7 +14,8 @@ from surae.exchange.bounds import Bound, bounds_of, table_of
 from surae.exchange.edited import EditedModel, changed, edited
 from surae.exchange.into import STRENGTHS, Differences, LegForModel, leg_for_model
 from surae.exchange.leg_in_model import leg_in_model
-from surae.measures.leg import GROUPS, Leg, measured_range
+from surae.measures.fitted_leg import measured_range
+from surae.measures.leg import GROUPS, Leg
 
 #: EMG's weights of each group, and its channels.
 _GAINS = {

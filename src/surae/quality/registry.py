@@ -92,7 +92,7 @@ CHECKS: tuple[Check, ...] = (
 
 #: Of single samples: what they find stays in any part of a recording, and needs no model of it.
 OF_SAMPLES: tuple[Check, ...] = (
-    Check(("emg-flat",), emg.flat),
+    Check(("emg-flat",), emg_flat.flat),
     Check(("emg-doubled",), emg.doubled),
     Check(("emg-clipped",), emg.clipped),
     Check(("emg-artefact",), emg.artefact),
