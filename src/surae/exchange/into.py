@@ -13,6 +13,7 @@ from scipy.interpolate import CubicSpline
 
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
+from surae.exchange import by_opensim
 from surae.exchange.joint import (
     JointTissue,
     MuscleTissue,
@@ -84,6 +85,15 @@ class LegForModel:
     def warnings(self) -> tuple[str, ...]:
         """What is no longer anatomy, or not the fit's, a sentence each."""
         said = [s for of in self.heads for s in said_of_muscle(of.head.name, of.muscle)]
+        ends = np.array(self.moved)
+        wound = [of.head.name for of in self.heads if self.into.winds(of.head, ends)]
+        if wound and not by_opensim.is_there():
+            said.append(
+                f"{', '.join(wound)}: OpenSim states a length of a path round two cylinders that "
+                "is some millimetres shorter than the path that it draws, and its tendon is by as "
+                "much too long there: install the package opensim and export again, or bend the "
+                "knee with --pose."
+            )
         if self.into.others:
             names = ", ".join(self.into.others)
             said.append(
@@ -123,7 +133,7 @@ def _fitted_group(
     angle = np.radians(degrees)
     heads = [head for head in into.heads if head.group == group]
     arm = np.array([leg.hold(group, at).arm for at in degrees.tolist()])
-    lengths = [CubicSpline(wide, into.length(head, wide)) for head in heads]
+    lengths = [CubicSpline(wide, into.length_there(head, wide)) for head in heads]
     arms = [length.derivative() for length in lengths]
     for head, own in zip(heads, arms, strict=True):
         if np.any(own(angle) * np.sign(arm) <= 0.0):

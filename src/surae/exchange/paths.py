@@ -134,6 +134,13 @@ class Path:
 
     def length(self, skeleton: Skeleton, pose: Mapping[str, float]) -> float:
         """Its length in a pose [m]."""
+        return self._drawn(skeleton, pose)[0]
+
+    def touches(self, skeleton: Skeleton, pose: Mapping[str, float]) -> int:
+        """How many cylinders it lies on in a pose, of one piece the most."""
+        return self._drawn(skeleton, pose)[1]
+
+    def _drawn(self, skeleton: Skeleton, pose: Mapping[str, float]) -> tuple[float, int]:
         at = {
             body: skeleton.place(body, pose)
             for body in {*self.bodies, *(c.body for c in self.cylinders)}
@@ -144,13 +151,14 @@ class Path:
             if p.in_use(pose)
         ]
         round_what = [(at[c.body] @ c.placed, c) for c in self.cylinders]
-        return sum(_string(start, stop, round_what) for start, stop in pairwise(corners))
+        pieces = [_string(start, stop, round_what) for start, stop in pairwise(corners)]
+        return sum(length for length, _ in pieces), max(touched for _, touched in pieces)
 
 
 def _string(
     start: FloatArray, stop: FloatArray, cylinders: Sequence[tuple[FloatArray, Cylinder]]
-) -> float:
-    """Length of a string from point to point, drawn tight round cylinders [m]."""
+) -> tuple[float, int]:
+    """Length of a string from point to point, drawn tight round cylinders [m], and how many."""
     along = stop - start
     order = sorted(cylinders, key=lambda c: float((c[0][:, 3] - start) @ along))
     touched: list[tuple[FloatArray, FloatArray, float] | None] = [None] * len(order)
@@ -168,7 +176,7 @@ def _string(
         if abs(length - before) < _TIGHT:
             break
         before = length
-    return length
+    return length, sum(touch is not None for touch in touched)
 
 
 def _touching(
