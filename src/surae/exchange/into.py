@@ -97,9 +97,9 @@ class LegForModel:
             )
         if self.over is not None and self.over.muscles > _FAR * self.over.largest:
             said.append(
-                "Muscles with this model’s fibres, on its paths, do not follow the fit: fit again "
-                "with the lengths and arms of these paths (geometry: OpenSim’s MuscleAnalysis of "
-                "this model), and export that."
+                "Muscles with this model’s fibres, on its paths, do not follow the fit: a fit with "
+                "the lengths and arms of these paths (geometry: OpenSim’s MuscleAnalysis of this "
+                "model) may be followed better."
             )
         if self.into.others:
             names = ", ".join(self.into.others)

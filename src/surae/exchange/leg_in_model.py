@@ -13,7 +13,7 @@ from surae.base.formatting import nearest
 from surae.base.units import FloatArray
 from surae.exchange import by_opensim
 from surae.exchange.kinematics import Skeleton
-from surae.exchange.paths import Path, path_of
+from surae.exchange.paths import StringPath, path_of
 from surae.exchange.xml_tree import Node, read_xml
 
 #: What models call the heads of the triceps surae and the tibialis anterior, without a side.
@@ -46,7 +46,7 @@ class Head:
     group: str  #: "tri" or "tib".
     kind: str  #: "sol", "gm", "gl", "gas" or "ta".
     node: Node
-    path: Path
+    path: StringPath
     share: float  #: Its part of the group's largest force in that model.
 
     @property

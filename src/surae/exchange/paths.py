@@ -104,7 +104,7 @@ def _middle(way: tuple[FloatArray, ...], radius: float) -> FloatArray:
 
 
 @dataclass(frozen=True, slots=True)
-class Point:
+class PathPoint:
     """A point of a path."""
 
     body: str
@@ -121,10 +121,10 @@ class Point:
 
 
 @dataclass(frozen=True, slots=True)
-class Path:
+class StringPath:
     """The path of a muscle."""
 
-    points: tuple[Point, ...]
+    points: tuple[PathPoint, ...]
     cylinders: tuple[Cylinder, ...] = ()
 
     @property
@@ -192,7 +192,7 @@ def _touching(
     return frame @ np.array([*first, 1.0]), frame @ np.array([*second, 1.0]), on
 
 
-def path_of(muscle: Node, skeleton: Skeleton) -> Path:
+def path_of(muscle: Node, skeleton: Skeleton) -> StringPath:
     """The path of a muscle's element."""
     geometry = next(
         (
@@ -211,10 +211,10 @@ def path_of(muscle: Node, skeleton: Skeleton) -> Path:
         raise InputError(f"muscle {muscle.name!r} has no path of two points or more")
     wraps = geometry.find("PathWrapSet")
     names = [w.said("wrap_object") for w in (wraps.all("PathWrap") if wraps else ())]
-    return Path(points, tuple(_cylinder(last(n), muscle, skeleton) for n in names if n))
+    return StringPath(points, tuple(_cylinder(last(n), muscle, skeleton) for n in names if n))
 
 
-def _point(node: Node, skeleton: Skeleton) -> Point:
+def _point(node: Node, skeleton: Skeleton) -> PathPoint:
     body, offset = skeleton.body_of(node.said("socket_parent_frame", "body"))
     if node.tag == "MovingPathPoint":
         place = tuple(_moving(node, axis) for axis in "xyz")
@@ -229,7 +229,7 @@ def _point(node: Node, skeleton: Skeleton) -> Point:
         ends = node.numbers("range")
         if len(ends) == 2:
             only = last(node.said("socket_coordinate", "coordinate")), *ends
-    return Point(body, (place[0], place[1], place[2]), only)
+    return PathPoint(body, (place[0], place[1], place[2]), only)
 
 
 def _still(number: float) -> Function:
