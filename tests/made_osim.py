@@ -46,6 +46,7 @@ HEADS["rajagopal"] = {
     "soleus": HEADS["gait"]["soleus"],
     "tibant": HEADS["gait"]["tib_ant"],
 }
+HEADS["wound"] = HEADS["rajagopal"]
 HEADS["reduced"] = {
     "gas": HEADS["gait"]["med_gas"],
     "sol": HEADS["gait"]["soleus"],
@@ -57,7 +58,31 @@ _BODIES = {
     "talus": (0.1, (0.0, 0.0, 0.0)),
     "calcn": (1.2, (0.1, 0.03, 0.0)),
 }
-_KIND = {"gait": "Thelen2003Muscle", "rajagopal": "Millard2012EquilibriumMuscle"}
+_KIND = {
+    "gait": "Thelen2003Muscle",
+    "rajagopal": "Millard2012EquilibriumMuscle",
+    "wound": "Millard2012EquilibriumMuscle",
+}
+
+
+#: Cylinders that gastrocnemii go round, by family: each with its body, turn, place, side, radius.
+CYLINDERS = {
+    "condyles": ("femur", "0 0 0", "0.005 -0.41 0", "all", 0.025),
+    "shank": ("tibia", "2.97 0 -1.48", "-0.007 -0.07 0", "-y", 0.055),
+}
+ROUND = {"rajagopal": ("condyles",), "wound": ("shank", "condyles")}
+
+
+def _cylinder(family: str, body: str, side: str) -> str:
+    made = "".join(
+        f'<WrapCylinder name="{name}_{side}"><active>true</active>'
+        f"<xyz_body_rotation>{turn}</xyz_body_rotation><translation>{place}</translation>"
+        f"<quadrant>{quadrant}</quadrant><radius>{radius}</radius><length>0.1</length>"
+        "</WrapCylinder>"
+        for name, (on, turn, place, quadrant, radius) in CYLINDERS.items()
+        if on == body and name in ROUND.get(family, ())
+    )
+    return made and f"<WrapObjectSet><objects>{made}</objects><groups/></WrapObjectSet>"
 
 
 def row(numbers) -> str:
@@ -126,12 +151,13 @@ def _muscle(family: str, name: str, points, numbers, side: str) -> str:
         for place, (body, (x, y, z)) in enumerate(points, start=1)
     )
     wraps = ""
-    if family == "rajagopal" and name.startswith("gas"):
-        wraps = (
-            '<PathWrapSet><objects><PathWrap name="condyles">'
-            f"<wrap_object>condyles_{side}</wrap_object><method>hybrid</method>"
-            "<range>-1 -1</range></PathWrap></objects><groups/></PathWrapSet>"
+    if name.startswith("gas") and family in ROUND:
+        round_what = "".join(
+            f'<PathWrap name="{each}"><wrap_object>{each}_{side}</wrap_object>'
+            "<method>hybrid</method><range>-1 -1</range></PathWrap>"
+            for each in ROUND[family]
         )
+        wraps = f"<PathWrapSet><objects>{round_what}</objects><groups/></PathWrapSet>"
     kind = _KIND.get(family, "DeGrooteFregly2016Muscle")
     return f"""
 \t\t\t\t<{kind} name="{name}">
@@ -151,17 +177,7 @@ def osim_text(family: str = "gait", sides: str = "rl", *, version: int = 40000) 
     """A model with two legs and a pelvis, of a family's layout."""
     bodies = joints = muscles = ""
     for side in sides:
-        wrap = (
-            "<WrapObjectSet><objects>"
-            f'<WrapCylinder name="condyles_{side}"><active>true</active>'
-            "<xyz_body_rotation>0 0 0</xyz_body_rotation><translation>0.005 -0.41 0</translation>"
-            "<quadrant>all</quadrant><radius>0.025</radius><length>0.1</length></WrapCylinder>"
-            "</objects><groups/></WrapObjectSet>"
-        )
-        bodies += "".join(
-            _body(f"{n}_{side}", wrap if n == "femur" and family == "rajagopal" else "")
-            for n in _BODIES
-        )
+        bodies += "".join(_body(f"{n}_{side}", _cylinder(family, n, side)) for n in _BODIES)
         z = 0.08 if side == "r" else -0.08
         knee = f"knee_angle_{side}"
         ankle = f"ankle_angle_{side}"

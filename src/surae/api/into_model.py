@@ -11,7 +11,7 @@ from surae.base.errors import InputError
 from surae.base.files import PathLike, shown, write_atomic
 from surae.base.tables import TextTable
 from surae.exchange.bounds import Bound, bounds_of, table_of
-from surae.exchange.edited import EditedModel, changed, edited
+from surae.exchange.edited import LEAST, EditedModel, changed, edited
 from surae.exchange.into import STRENGTHS, Differences, LegForModel, leg_for_model
 from surae.exchange.leg_in_model import leg_in_model
 from surae.measures.fitted_leg import measured_range
@@ -257,6 +257,11 @@ def _comments(made: LegForModel, leg: Leg, strength: str) -> list[str]:
             if gain in leg.values
         )
         comments.append(f"Excitation of each of {names}: {sums}, EMG's envelope in {unit}.")
+    if leg.is_compliant:
+        comments.append(
+            f"Tendons give way, and find no balance at an activation of 0: keep it at {LEAST:g} or "
+            "above."
+        )
     if strength == "model":
         comments.append(
             "Largest forces are the model's own: excitation is scaled to them. They were not "

@@ -16,8 +16,8 @@ from surae.exchange.xml_tree import Node, parse_xml
 _OLDEST = 40000
 #: What of a muscle stays as it is, beside its path.
 _KEPT = ("appliesForce", "min_control", "max_control")
-#: Activation below which a tendon of OpenSim that gives way finds no balance.
-_LEAST = 0.01
+#: Activation from which on a tendon of OpenSim that gives way finds its balance: at 0 it has none.
+LEAST = 0.001
 #: Names of what is added to a model.
 ADDED = "surae"
 _CONTEXT = 2
@@ -96,14 +96,14 @@ def _muscle(of: FittedHead, data: bytes, indent: str) -> str:
         "ignore_tendon_compliance": "true" if rigid else "false",
         "activation_time_constant": muscle.lag,
         "deactivation_time_constant": muscle.lag,
-        "default_activation": _LEAST,
+        "default_activation": 0.01,
         "fiber_damping": 0.0,
         "active_force_width_scale": muscle.width,
         "ignore_passive_fiber_force": "true",
         "tendon_strain_at_one_norm_force": 0.049 if rigid else muscle.strain,
     }
     if not rigid and not any(child.tag == "min_control" for child in node.children):
-        values["min_control"] = _LEAST
+        values["min_control"] = LEAST
     lines += [f"<{name}>{row(value)}</{name}>" for name, value in values.items()]
     return _element("DeGrooteFregly2016Muscle", node.name, lines, indent)
 

@@ -13,6 +13,7 @@ from scipy.interpolate import CubicSpline
 
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
+from surae.exchange import by_opensim
 from surae.exchange.joint import (
     JointTissue,
     MuscleTissue,
@@ -21,9 +22,8 @@ from surae.exchange.joint import (
     said_of_muscle,
 )
 from surae.exchange.leg_in_model import Head, LegInModel
-from surae.exchange.muscles import DeGrooteMuscle, HeldMuscle
+from surae.exchange.muscles import DeGrooteMuscle, HeldMuscle, tendon_share
 from surae.measures.leg import GROUPS, Leg
-from surae.measures.muscle import elongation
 from surae.model import TorqueParts
 from surae.model.movement import GRAVITY
 
@@ -34,6 +34,8 @@ _BEYOND = 12.0
 _SLOWEST = 1e-6
 #: What a state that the recordings do not meet counts, of one that they meet as often as the mean.
 _SELDOM = 0.1
+#: Part of the largest torque by which muscles may differ before another fit is advised.
+_FAR = 0.05
 #: Whose strength a model may have.
 STRENGTHS = ("model", "measured")
 
@@ -84,6 +86,21 @@ class LegForModel:
     def warnings(self) -> tuple[str, ...]:
         """What is no longer anatomy, or not the fit's, a sentence each."""
         said = [s for of in self.heads for s in said_of_muscle(of.head.name, of.muscle)]
+        ends = np.array(self.moved)
+        wound = [of.head.name for of in self.heads if self.into.winds(of.head, ends)]
+        if wound and not by_opensim.is_there():
+            said.append(
+                f"{', '.join(wound)}: OpenSim states a length of a path round two cylinders that "
+                "is some millimetres shorter than the path that it draws, and its tendon is by as "
+                "much too long there: install the package opensim and export again, or bend the "
+                "knee with --pose."
+            )
+        if self.over is not None and self.over.muscles > _FAR * self.over.largest:
+            said.append(
+                "Muscles with this model’s fibres, on its paths, do not follow the fit: a fit with "
+                "the lengths and arms of these paths (geometry: OpenSim’s MuscleAnalysis of this "
+                "model) may be followed better."
+            )
         if self.into.others:
             names = ", ".join(self.into.others)
             said.append(
@@ -123,7 +140,7 @@ def _fitted_group(
     angle = np.radians(degrees)
     heads = [head for head in into.heads if head.group == group]
     arm = np.array([leg.hold(group, at).arm for at in degrees.tolist()])
-    lengths = [CubicSpline(wide, into.length(head, wide)) for head in heads]
+    lengths = [CubicSpline(wide, into.length_there(head, wide)) for head in heads]
     arms = [length.derivative() for length in lengths]
     for head, own in zip(heads, arms, strict=True):
         if np.any(own(angle) * np.sign(arm) <= 0.0):
@@ -146,7 +163,8 @@ def _fitted_group(
             active=of_group.active * part,
             states=of_group.states * (peak / of_group.peak),
             peak=full,
-            stretch=of_group.stretch * _stretched(leg, group, of_group.peak, stronger),
+            stretch=of_group.stretch / tendon_share(1.0 / stronger),
+            met=of_group.stretch,
             fibre=head.fibre,
             pennation=head.pennation,
             weight=weight,
@@ -166,14 +184,6 @@ def _fitted_group(
         )
     ]
     return fitted, held[0].peak * stronger * exact
-
-
-def _stretched(leg: Leg, group: str, peak: float, stronger: float) -> float:
-    """By how much farther the tendon gives way at a force that is `stronger` times the peak."""
-    if not leg.is_compliant:
-        return 1.0
-    tendon = leg.tendon(group)
-    return elongation(tendon, peak * stronger) / elongation(tendon, peak)
 
 
 def _met(leg: Leg, group: str, degrees: FloatArray, states: FloatArray) -> FloatArray | None:

@@ -22,7 +22,7 @@ _LONGEST = 200
 
 
 @dataclass(frozen=True, slots=True)
-class Body:
+class RigidBody:
     """A rigid body."""
 
     mass: float  #: [kg]
@@ -31,7 +31,7 @@ class Body:
 
 
 @dataclass(frozen=True, slots=True)
-class Joint:
+class ModelJoint:
     """How a body hangs on another."""
 
     parent: str
@@ -81,8 +81,8 @@ def last(path: str) -> str:
 class Skeleton:
     """Bodies and joints of a model."""
 
-    bodies: Mapping[str, Body]
-    joints: Mapping[str, Joint]  #: By the body that hangs on it.
+    bodies: Mapping[str, RigidBody]
+    joints: Mapping[str, ModelJoint]  #: By the body that hangs on it.
     rests: Mapping[str, float]  #: Default value of every coordinate.
     #: Frames beside a body's own, by name: the body, and where on it, shape (4, 4).
     frames: Mapping[str, tuple[str, FloatArray]]
@@ -91,7 +91,7 @@ class Skeleton:
     @classmethod
     def of(cls, model: Node) -> "Skeleton":
         """What a ``<Model>`` has."""
-        bodies: dict[str, Body] = {}
+        bodies: dict[str, RigidBody] = {}
         frames: dict[str, tuple[str, FloatArray]] = {}
         objects: dict[str, tuple[str, Node]] = {}
         listed = model.find("BodySet")
@@ -103,7 +103,7 @@ class Skeleton:
                 objects[wrap.name] = node.name, wrap
         for frame in model.all("PhysicalOffsetFrame"):
             frames.setdefault(frame.name, (last(frame.said("socket_parent")), _frame(frame)))
-        joints: dict[str, Joint] = {}
+        joints: dict[str, ModelJoint] = {}
         rests: dict[str, float] = {}
         for node, owner in _joints(model, everybody):
             child, joint = _joint(node, owner, frames)
@@ -151,14 +151,14 @@ class Skeleton:
         return sum(body.mass for body in self.bodies.values())
 
 
-def _body(node: Node) -> Body:
+def _body(node: Node) -> RigidBody:
     centre = node.numbers("mass_center")
     six = node.numbers("inertia") or tuple(
         node.number(f"inertia_{part}") or 0.0 for part in ("xx", "yy", "zz", "xy", "xz", "yz")
     )
     xx, yy, zz, xy, xz, yz = six if len(six) == 6 else (0.0,) * 6
     inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    return Body(
+    return RigidBody(
         node.number("mass") or 0.0, np.array(centre if len(centre) == 3 else (0.0,) * 3), inertia
     )
 
@@ -183,7 +183,7 @@ def _joints(model: Node, bodies: Sequence[Node]) -> list[tuple[Node, str]]:
 
 def _joint(
     node: Node, owner: str, frames: Mapping[str, tuple[str, FloatArray]]
-) -> tuple[str, Joint]:
+) -> tuple[str, ModelJoint]:
     """The body that hangs on a joint, and the joint."""
     if node.said("reverse") == "true":
         raise InputError(f"joint {node.name!r} is reversed, which is not read")
@@ -197,7 +197,7 @@ def _joint(
         child, after = _socket(node, "socket_child_frame", frames)
     names = tuple(each.name for each in node.all("Coordinate"))
     turns, shifts = _freedom(node, names)
-    return child, Joint(
+    return child, ModelJoint(
         parent, before, np.asarray(np.linalg.inv(after), dtype=np.float64), turns, shifts, names
     )
 

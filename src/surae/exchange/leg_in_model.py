@@ -1,5 +1,6 @@
 """The ankle in somebody's OpenSim model: its angle, heads of the leg's muscles, and its foot."""
 
+import os
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,8 +11,9 @@ from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
 from surae.base.formatting import nearest
 from surae.base.units import FloatArray
+from surae.exchange import by_opensim
 from surae.exchange.kinematics import Skeleton
-from surae.exchange.paths import Path, path_of
+from surae.exchange.paths import StringPath, path_of
 from surae.exchange.xml_tree import Node, read_xml
 
 #: What models call the heads of the triceps surae and the tibialis anterior, without a side.
@@ -44,7 +46,7 @@ class Head:
     group: str  #: "tri" or "tib".
     kind: str  #: "sol", "gm", "gl", "gas" or "ta".
     node: Node
-    path: Path
+    path: StringPath
     share: float  #: Its part of the group's largest force in that model.
 
     @property
@@ -74,7 +76,8 @@ class Head:
 class LegInModel:
     """One leg of somebody's model."""
 
-    where: str  #: The file.
+    where: str  #: How messages call its file.
+    path: str  #: The file.
     data: bytes  #: Its content.
     version: int  #: Its format.
     root: Node
@@ -131,6 +134,26 @@ class LegInModel:
             centre += body.mass * where
             inertia += float(axis @ own @ axis) + body.mass * float(across @ across)
         return mass, centre / max(mass, 1e-12), inertia, axis
+
+    def length_there(self, head: Head, angle: FloatArray) -> FloatArray:
+        """Length of a head's path at angles of ours as OpenSim itself states it [m].
+
+        Ours where it lies on one cylinder at most, or where OpenSim is not installed.
+        """
+        ours = self.length(head, angle)
+        if self.winds(head, angle):
+            pose = {n: v for n, v in self.pose.items() if n != self.coordinate}
+            turned = self.sign * angle
+            there = by_opensim.lengths(self.path, head.name, self.coordinate, turned, pose)
+            return ours if there is None else there
+        return ours
+
+    def winds(self, head: Head, angle: FloatArray) -> bool:
+        """Whether a head's path lies on two cylinders at once, at angles of ours [rad]."""
+        return len(head.path.cylinders) > 1 and any(
+            head.path.touches(self.skeleton, self.posed(at)) > 1
+            for at in (float(angle[0]), float(angle[-1]))
+        )
 
     @property
     def shank(self) -> str:
@@ -189,6 +212,7 @@ def leg_in_model(
     )
     leg = LegInModel(
         where,
+        os.fspath(path),
         data,
         version,
         root,
@@ -213,6 +237,7 @@ def leg_in_model(
             )
     return LegInModel(
         where,
+        os.fspath(path),
         data,
         version,
         root,

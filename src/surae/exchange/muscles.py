@@ -179,6 +179,8 @@ class HeldMuscle:
     fibre: float  #: Optimal length of the fibre [m].
     pennation: float = 0.0  #: Angle of the fibre to the tendon at its optimal length [rad].
     weight: FloatArray | None = None  #: What each active force counts, shape (k, n); None: alike.
+    #: Stretch of the tendon at the largest force that is met [m]; None: `stretch`.
+    met: float | None = None
 
     def nearest(
         self,
@@ -253,7 +255,8 @@ class DeGrooteMuscle:
         # slanting one is never shorter than the muscle is thick
         thick = float(np.sin(held.pennation))
         least = max(_FIBRE[0] ** 2 - thick**2, _REACH**2) ** 0.5
-        room = _FIBRE[1], least + held.stretch / held.fibre
+        stretch = held.stretch if held.met is None else held.met
+        room = _FIBRE[1], least + stretch / held.fibre
         shortest, longest = (
             float(end - by * held.fibre + fibre - held.optimum) / held.optimal
             for end, by in zip((held.length.max(), held.length.min()), room, strict=True)
@@ -309,6 +312,11 @@ def tendon_strain(force: FloatArray, strain: float) -> FloatArray:
     De Groote et al. (2016), the curve's inverse with its offset at rest left out.
     """
     return np.asarray(strain * np.log1p(np.maximum(force, 0.0) / _TENDON) / np.log1p(1.0 / _TENDON))
+
+
+def tendon_share(force: float) -> float:
+    """The strain of OpenSim's tendon at a force, both in parts of the largest."""
+    return float(tendon_strain(np.array(force), 1.0))
 
 
 def passive_fibre(length: FloatArray) -> FloatArray:

@@ -104,7 +104,7 @@ def _middle(way: tuple[FloatArray, ...], radius: float) -> FloatArray:
 
 
 @dataclass(frozen=True, slots=True)
-class Point:
+class PathPoint:
     """A point of a path."""
 
     body: str
@@ -121,10 +121,10 @@ class Point:
 
 
 @dataclass(frozen=True, slots=True)
-class Path:
+class StringPath:
     """The path of a muscle."""
 
-    points: tuple[Point, ...]
+    points: tuple[PathPoint, ...]
     cylinders: tuple[Cylinder, ...] = ()
 
     @property
@@ -134,6 +134,13 @@ class Path:
 
     def length(self, skeleton: Skeleton, pose: Mapping[str, float]) -> float:
         """Its length in a pose [m]."""
+        return self._drawn(skeleton, pose)[0]
+
+    def touches(self, skeleton: Skeleton, pose: Mapping[str, float]) -> int:
+        """How many cylinders it lies on in a pose, of one piece the most."""
+        return self._drawn(skeleton, pose)[1]
+
+    def _drawn(self, skeleton: Skeleton, pose: Mapping[str, float]) -> tuple[float, int]:
         at = {
             body: skeleton.place(body, pose)
             for body in {*self.bodies, *(c.body for c in self.cylinders)}
@@ -144,13 +151,14 @@ class Path:
             if p.in_use(pose)
         ]
         round_what = [(at[c.body] @ c.placed, c) for c in self.cylinders]
-        return sum(_string(start, stop, round_what) for start, stop in pairwise(corners))
+        pieces = [_string(start, stop, round_what) for start, stop in pairwise(corners)]
+        return sum(length for length, _ in pieces), max(touched for _, touched in pieces)
 
 
 def _string(
     start: FloatArray, stop: FloatArray, cylinders: Sequence[tuple[FloatArray, Cylinder]]
-) -> float:
-    """Length of a string from point to point, drawn tight round cylinders [m]."""
+) -> tuple[float, int]:
+    """Length of a string from point to point, drawn tight round cylinders [m], and how many."""
     along = stop - start
     order = sorted(cylinders, key=lambda c: float((c[0][:, 3] - start) @ along))
     touched: list[tuple[FloatArray, FloatArray, float] | None] = [None] * len(order)
@@ -168,7 +176,7 @@ def _string(
         if abs(length - before) < _TIGHT:
             break
         before = length
-    return length
+    return length, sum(touch is not None for touch in touched)
 
 
 def _touching(
@@ -184,7 +192,7 @@ def _touching(
     return frame @ np.array([*first, 1.0]), frame @ np.array([*second, 1.0]), on
 
 
-def path_of(muscle: Node, skeleton: Skeleton) -> Path:
+def path_of(muscle: Node, skeleton: Skeleton) -> StringPath:
     """The path of a muscle's element."""
     geometry = next(
         (
@@ -203,10 +211,10 @@ def path_of(muscle: Node, skeleton: Skeleton) -> Path:
         raise InputError(f"muscle {muscle.name!r} has no path of two points or more")
     wraps = geometry.find("PathWrapSet")
     names = [w.said("wrap_object") for w in (wraps.all("PathWrap") if wraps else ())]
-    return Path(points, tuple(_cylinder(last(n), muscle, skeleton) for n in names if n))
+    return StringPath(points, tuple(_cylinder(last(n), muscle, skeleton) for n in names if n))
 
 
-def _point(node: Node, skeleton: Skeleton) -> Point:
+def _point(node: Node, skeleton: Skeleton) -> PathPoint:
     body, offset = skeleton.body_of(node.said("socket_parent_frame", "body"))
     if node.tag == "MovingPathPoint":
         place = tuple(_moving(node, axis) for axis in "xyz")
@@ -221,7 +229,7 @@ def _point(node: Node, skeleton: Skeleton) -> Point:
         ends = node.numbers("range")
         if len(ends) == 2:
             only = last(node.said("socket_coordinate", "coordinate")), *ends
-    return Point(body, (place[0], place[1], place[2]), only)
+    return PathPoint(body, (place[0], place[1], place[2]), only)
 
 
 def _still(number: float) -> Function:
