@@ -120,7 +120,7 @@ def test_a_line_of_progress_does_not_end_before_the_work(inputs, monkeypatch) ->
     told: list[tuple[object, ...]] = []
     monkeypatch.setattr(
         "surae.api.fitting.line_of_progress",
-        lambda what: nullcontext(lambda *news: told.append(news)),
+        lambda _: nullcontext(lambda *news: told.append(news)),
     )
     surae.fit(inputs, "muscle", starts=2)
     counted = [news[:2] for news in told if len(news) > 1]
