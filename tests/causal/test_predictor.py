@@ -199,3 +199,16 @@ def test_the_command_writes_it(fitted, tmp_path, monkeypatch, capsys) -> None:
     assert "variance" in capsys.readouterr().out
     assert run("export", str(path), "--to", "osim", "--rate", "500") == 2
     assert "--rate has no effect" in capsys.readouterr().err
+
+
+def test_a_fit_of_normalised_emg_is_given_volts(fitted, subject, slower) -> None:
+    """The step divides by the reference of the fit: nobody has to know it."""
+    trial = virtual_trial(subject, slower, seed=1)
+    part = fit(trial, "muscle", starts=1, normalise="session")
+    assert part.result.problem.inputs[0].emg_unit == "1"
+    angle, emg = signals()
+    made = part.predictor(500).run(angle, emg, np.ones(len(angle)))
+    assert made.inputs.emg_unit == "1"
+    np.testing.assert_allclose(made.torque, part.predict(made.inputs).torque, rtol=0.0, atol=1e-9)
+    volts = fitted.predictor(500).run(angle, emg)
+    np.testing.assert_allclose(made.torque, volts.torque, rtol=0.0, atol=0.05)
