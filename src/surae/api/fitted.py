@@ -17,9 +17,9 @@ from surae.base.files import PathLike
 from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
 from surae.inference import Grade
-from surae.inference.judging.adequacy import Adequacy
 from surae.inference.judging.assessment import assess
 from surae.inference.judging.criteria import criteria_of
+from surae.inference.judging.grade import Adequacy
 from surae.inference.judging.parameter import ParameterEstimate
 from surae.inference.judging.validation import Prediction, predict_others
 from surae.inference.saved.fit_json import save_fit

@@ -96,6 +96,16 @@ class ModelInputs(Comparable):
     #: Its effort as a causal filter knows it; None: by `smooth_effort`, which looks ahead.
     effort: SmoothEffort | None = None
 
+    def columns(self) -> dict[str, FloatArray]:
+        """The signals under the names that our CSV gives them, time first."""
+        named = {"time_s": self.time, "angle_rad": self.angle}
+        if self.torque is not None:
+            named["torque_Nm"] = self.torque
+        for index, muscle in enumerate(MUSCLES):
+            if muscle not in self.missing_emg:
+                named[f"emg_{muscle}_{self.emg_unit}"] = self.emg[:, index]
+        return named
+
     def __post_init__(self) -> None:
         """Make the mapping read-only; the arrays are made so by whoever prepares them."""
         object.__setattr__(self, "fixed", FrozenDict(self.fixed))

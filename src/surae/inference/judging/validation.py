@@ -9,10 +9,11 @@ from surae.base.errors import InputError
 from surae.base.frozen import Comparable
 from surae.base.units import FloatArray
 from surae.inference import FitResult
-from surae.inference.judging.adequacy import Adequacy, judge_prediction
+from surae.inference.judging.adequacy import judge_prediction
 from surae.inference.judging.baselines import Baselines, baselines
 from surae.inference.judging.fascicles import Fascicles, followed
 from surae.inference.judging.goodness import counted, rmse, vaf
+from surae.inference.judging.grade import Adequacy
 from surae.inference.judging.other_movement import beside_simplest
 from surae.inference.judging.predicted import TorqueDoubt, torque_doubt
 from surae.inference.uncertainty.combined import Uncertainty

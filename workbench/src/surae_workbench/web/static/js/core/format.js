@@ -93,11 +93,11 @@ export function shownRange(low, high, unit) {
   return `${number(low * factor, 3)} … ${number(high * factor, 3)} ${text}`;
 }
 
-/** How a signal is shown: factor and unit for the eye (degrees, mV), the same everywhere. */
-export function shownAs(unit) {
+/** How a signal is shown: factor and unit for the eye (degrees, mV). */
+export function shownAs(unit, largest = 0) {
   if (unit === "rad") return { factor: 180 / Math.PI, unit: "°" };
   if (unit === "rad/s") return { factor: 180 / Math.PI, unit: "°/s" };
   if (unit === "rad/s2" || unit === "rad/s²") return { factor: 180 / Math.PI, unit: "°/s²" };
-  if (unit === "V") return { factor: 1e3, unit: "mV" };
+  if (unit === "V" && largest < 1) return { factor: 1e3, unit: "mV" };
   return { factor: 1, unit: unitText(unit) };
 }
