@@ -1,12 +1,14 @@
 """What neighbours' users ask of a result: residual, criteria, tables, stretches left out."""
 
 import math
+from contextlib import nullcontext
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import surae
+from surae.api.fitting import JUDGING
 from surae.base.errors import InputError
 from surae.inference.judging.goodness import akaike, bayesian
 from surae.protocol import Protocol, generate
@@ -111,3 +113,17 @@ def test_a_name_that_is_not_there_names_the_nearest(fits) -> None:
         fits["all"].measures()["end_stifness"]
     with pytest.raises(KeyError, match="f0"):
         surae.profile(fits["all"], ["f0"])["f_0"]
+
+
+def test_a_line_of_progress_does_not_end_before_the_work(inputs, monkeypatch) -> None:
+    """What is searched is counted; that it is judged then is said, once all starts are done."""
+    told: list[tuple[object, ...]] = []
+    monkeypatch.setattr(
+        "surae.api.fitting.line_of_progress",
+        lambda _: nullcontext(lambda *news: told.append(news)),
+    )
+    surae.fit(inputs, "muscle", starts=2)
+    counted = [news[:2] for news in told if len(news) > 1]
+    assert counted[-1] == (2, 2)
+    assert told[-1] == (JUDGING,)
+    assert told.count((JUDGING,)) == 1

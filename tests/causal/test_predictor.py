@@ -13,6 +13,7 @@ from surae.base.errors import ComputationError
 from surae.causal.predictor import Predictor
 from surae.cli import main
 from surae.inference import Grade
+from surae.model import with_optional
 from surae.studies import virtual_trial
 
 
@@ -33,6 +34,23 @@ def test_it_is_what_predict_gives_of_the_same_signals(any_fit) -> None:
     assert sum(p.parts.values()) == pytest.approx(steps[-1])
     p.reset()
     assert p.step(angle[0], emg[0]) == steps[0]
+
+
+def test_a_plate_that_gives_way_is_left_out_in_both_for_it_needs_the_measured_torque(
+    family,
+) -> None:
+    spec = with_optional(family.result.problem.spec, ["plate_give"])
+    values = {**family.values, "plate_give": 1e-3}
+    problem = replace(family.result.problem, spec=spec)
+    other = replace(family, result=replace(family.result, problem=problem, values=values))
+    p = other.predictor(500)
+    assert p.left_out == ("plate_give",)
+    assert "plate_give" in p.account
+    angle, emg = signals()
+    made = p.run(angle, emg, 20.0 * angle)
+    simulator = spec.simulator(made.inputs, problem.options)
+    torque = simulator.torque(spec.vector(values, problem.options))
+    np.testing.assert_allclose(made.torque, torque, rtol=0.0, atol=1e-9)
 
 
 def test_a_step_knows_nothing_of_what_comes(any_fit) -> None:
@@ -181,3 +199,16 @@ def test_the_command_writes_it(fitted, tmp_path, monkeypatch, capsys) -> None:
     assert "variance" in capsys.readouterr().out
     assert run("export", str(path), "--to", "osim", "--rate", "500") == 2
     assert "--rate has no effect" in capsys.readouterr().err
+
+
+def test_a_fit_of_normalised_emg_is_given_volts(fitted, subject, slower) -> None:
+    """The step divides by the reference of the fit: nobody has to know it."""
+    trial = virtual_trial(subject, slower, seed=1)
+    part = fit(trial, "muscle", starts=1, normalise="session")
+    assert part.result.problem.inputs[0].emg_unit == "1"
+    angle, emg = signals()
+    made = part.predictor(500).run(angle, emg, np.ones(len(angle)))
+    assert made.inputs.emg_unit == "1"
+    np.testing.assert_allclose(made.torque, part.predict(made.inputs).torque, rtol=0.0, atol=1e-9)
+    volts = fitted.predictor(500).run(angle, emg)
+    np.testing.assert_allclose(made.torque, volts.torque, rtol=0.0, atol=0.05)

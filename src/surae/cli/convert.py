@@ -75,6 +75,7 @@ def command(
     show_line(f"converted: {shown(output)}{again}")
     lost = [name for name in ("fixed", "prepare", "side", "device") if getattr(measured, name)]
     lost += left_out
+    lost += ["emg: envelope"] if suffix == ".parquet" and measured.emg != "raw" else []
     if lost and suffix not in _WHOLE:
         show_line(f"not kept in this format: {', '.join(lost)}; .h5 keeps all")
 

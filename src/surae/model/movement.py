@@ -114,7 +114,8 @@ class Movement:
         self._at = {name: at[name] for name in _MOVING if name in at}
         self._pull = self._pull_rate = np.zeros(inputs.n)
         self._made: tuple[object, LegMovement] | None = None  # the last one, and of what
-        if _GIVE in at and inputs.torque is not None:
+        # who predicts while it is measured has no torque yet
+        if _GIVE in at and inputs.torque is not None and inputs.effort is None:
             self.pulled_by(inputs.torque)
 
     def pulled_by(self, torque: FloatArray) -> None:
