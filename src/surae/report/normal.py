@@ -31,7 +31,7 @@ def _among(p: Placed, of_fit: Measures, _: Words) -> block.Text:
     below = p.text if p.ends is None else f"{p.text} ({_.span(*p.ends)})"
     own, _span = _.estimate(p.value, of_fit[p.norm.measure].ci95)
     text = _(
-        "of {n} {group} lie below · {measure}: {value} {unit} ({reference})",
+        "of {n} {group} · {measure}: {value} {unit} ({reference})",
         n=str(p.norm.n),
         group=", ".join(filter(None, [_(p.norm.group), p.norm.age, p.norm.sex])),
         measure=_.measure(p.norm.measure),
@@ -39,4 +39,4 @@ def _among(p: Placed, of_fit: Measures, _: Words) -> block.Text:
         unit=p.norm.unit.replace("deg", "°"),
         reference=p.norm.reference,
     )
-    return block.Text(text, "say", below)
+    return block.Text(text, "say", _("Normal? Above {below}", below=below))
