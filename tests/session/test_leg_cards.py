@@ -85,11 +85,13 @@ def test_normal_stands_beside_the_number_or_says_what_would_tell_it(done) -> Non
     number = block.Text("", "say", "0.2 Nm/°")
     name, m = next((n, m) for n, m in of_fit.items() if m.verdict in ("identified", "weak"))
     norm = Norm(name, m.unit, "slow", "healthy adults", 32, m.value, abs(m.value), "A (2020)")
-    pair = beside(number, of_fit, [norm], EN)
+    pair, source = beside(number, of_fit, [norm], EN, name)
     assert pair.blocks[0] is number
     assert pair.blocks[1].lead.startswith("Normal? Above 50 %")
+    assert pair.blocks[1].text.startswith("of 32 healthy adults")
+    assert source.text == "A (2020)"
     other = replace(norm, measure="slow_torque@55deg")
-    (_number, asked) = beside(number, of_fit, [other], EN).blocks
+    ((_number, asked),) = [each.blocks for each in beside(number, of_fit, [other], EN)]
     assert asked.lead == "Normal? Not known"
     assert "55° dorsiflexion" in asked.text
 
