@@ -8,9 +8,10 @@ import pytest
 
 from surae.base.formatting import with_half
 from surae.base.units import on_page
+from surae.inference import Verdict
 from surae.report import block
 from surae.report.figures.first import SHOWN, first_figure
-from surae.report.first import asked, first_screen, grade_line
+from surae.report.first import _is_told, asked, first_screen, grade_line
 from surae.report.fit import fit_report
 from surae.report.traces import traces_of
 
@@ -125,3 +126,18 @@ def test_pages_have_one_unit_for_one_thing(unit, of_one):
     assert factor == pytest.approx(of_one, rel=1e-5)
     assert "rad" not in shown
     assert "deg" not in shown
+
+
+@pytest.mark.parametrize(
+    ("value", "ci95", "told"),
+    [
+        (5300.0, (4.0, 7100.0), False),
+        (0.19, (0.061, 0.287), True),
+        (-5.0, (-8.0, -2.0), True),
+        (-5.0, (-9.0, -0.1), False),
+    ],
+)
+def test_what_reaches_down_to_nothing_is_not_told_first(plain, value, ci95, told):
+    m = first_screen(plain, traces_of(plain.result)).measures[0]
+    judged = replace(m, value=value, ci95=ci95, unit="Nm/deg", verdict=Verdict.WEAK)
+    assert _is_told(judged) == told

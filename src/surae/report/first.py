@@ -176,7 +176,8 @@ def _is_told(m: Measure) -> bool:
     """Whether it is known, and not from next to nothing up: that tells an upper end at most."""
     if m.value is None or m.ci95 is None or not is_known(m):
         return False
-    return m.unit == "deg" or m.ci95[0] >= _NOTHING * m.value
+    near = m.ci95[0] if m.value > 0.0 else -m.ci95[1]
+    return m.unit == "deg" or near >= _NOTHING * abs(m.value)
 
 
 def _rows(measures: Sequence[Measure], words: Words) -> Iterator[block.Row]:

@@ -7,7 +7,6 @@ import pytest
 
 import surae
 
-pytestmark = pytest.mark.long
 #: A laptop's window, and what an A4 sheet holds within the page's margins, at 96 dots an inch.
 WINDOW = {"width": 1366, "height": 768}
 SHEET = {"width": int(180 / 25.4 * 96), "height": int(263 / 25.4 * 96)}
