@@ -4,11 +4,13 @@ import re
 from importlib.resources import files
 
 import surae
+from surae.base.names import LANGUAGES
 from surae.base.tables import TextTable
 from surae.base.words import JUDGEMENTS
 from surae.inference import Grade, Verdict
 from surae.measures.difference import ChangeVerdict
 from surae.quality import KINDS, SEVERITIES, Finding, Quality, Skipped
+from surae.report.language import words_in
 
 
 def test_text_is_aligned_and_numbers_stand_right() -> None:
@@ -35,6 +37,22 @@ def test_findings_are_a_table() -> None:
     assert lines[-1] == "not checked: emg-flat: There is no EMG."
     assert "mains-hum" in quality._repr_html_()
     assert repr(Quality("trial", ())) == "trial: nothing found"
+
+
+#: Words that verdicts once had beside their own.
+_SECOND = ("known", "roughly", "at its limit", "assumed", "none shown")
+
+
+def test_a_verdict_has_one_word_in_each_language() -> None:
+    """What files, the screen and pages say of a value is one word, and its translation another."""
+    for name, judged in JUDGEMENTS.items():
+        assert judged.plain in ("", name.replace("-", " "))
+    for language in LANGUAGES:
+        words = words_in(language)
+        told = [words(JUDGEMENTS[each].plain) for each in (*Verdict, *ChangeVerdict)]
+        assert len(set(told)) == len(told), language
+        if language != "en":
+            assert not [each for each in _SECOND if each in words.messages], language
 
 
 def test_every_verdict_and_finding_has_its_word_colour_and_advice() -> None:

@@ -101,7 +101,7 @@ def test_fixed_and_bounded_parameters_say_why(joint):
     assert shown["Fixed"] == "beta = 1"
     assert shown["Bounds"] == "f0 = 0.3 / 1.5"
     assert "f0" in parts.text(parts.section(content, "Correlation"))
-    details = next(b for b in content.blocks if b.title == "Details")
+    details = parts.section(content, "Details")
     assert sum(b.title.startswith("Recording:") for b in details.blocks) == 2
 
 
@@ -112,7 +112,8 @@ def test_a_parameter_without_influence_says_so(silent):
         assert (rows[name]["SEM (34)"].text, rows[name]["95 % interval"].text) == ("—", "—")
         assert rows[name]["Verdict"].why == silent.assessment.parameters[name].note
         assert rows[name]["Verdict"].why.startswith("no interval: ")
-    glance = next(b for b in parts.blocks(content) if isinstance(b, block.Grid))
+    summary = parts.section(content, "Summary")
+    glance = next(b for b in parts.blocks(summary) if isinstance(b, block.Grid))
     by_verdict = {row[0].badge[1]: row[1].pairs for _, group in glance.groups for row in group}
     assert ("g1", "undetermined") in by_verdict["undetermined"]
 
@@ -120,8 +121,10 @@ def test_a_parameter_without_influence_says_so(silent):
 def test_a_failed_fit_claims_nothing(plain):
     failed = replace(plain.result, status="failed", message="no minimum reached: fit again")
     content = content_of(plain, failed)
-    status, *texts = (b for b in content.blocks[0].blocks if isinstance(b, block.Text))
+    summary = parts.section(content, "Summary")
+    status, model, *texts = (b for b in summary.blocks if isinstance(b, block.Text))
     assert (status.lead, status.text) == ("Fit failed.", "No minimum reached: fit again.")
+    assert model.text.startswith("Fitted with the")
     assert len(texts) == 1
     assert "not estimates" in texts[0].text
     assert "not estimates" in parts.text(parts.section(content, "Parameters"))
@@ -166,7 +169,11 @@ def test_an_inadequate_fit_opens_with_its_reasons_and_counts_nothing(plain):
         against("at-bound", names="f0"),
     )
     case = judged(plain, Grade.INADEQUATE, reasons, r2=12.0)
-    words = parts.adequacy(content_of(case))
+    content = content_of(case)
+    first = parts.adequacy(content)
+    assert first.sentence.startswith("Inadequate: the ankle hardly moves")
+    assert first.sentence.endswith("(1 more below).")
+    words = parts.adequacy(parts.section(content, "Summary"))
     assert words.reasons == (
         "the ankle hardly moves (2° in all): nothing tells stiffness from strength",
         "at a bound: f0",

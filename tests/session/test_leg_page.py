@@ -152,7 +152,13 @@ def card(page, name, after):
     return page[page.index(f'id="{name}"') : page.index(f'id="{after}"')]
 
 
-QUESTIONS = ("How stiff is it?", "Tissue, muscle or tendon?", "Did it change?", "Can I trust it?")
+QUESTIONS = (
+    "How stiff is it?",
+    "Tissue, muscle or tendon?",
+    "Did it change?",
+    "Can I trust it?",
+    "How much is nerve?",
+)
 
 
 def test_held_angles_answer_before_any_fit(leg):
@@ -164,7 +170,7 @@ def test_held_angles_answer_before_any_fit(leg):
     assert "0.17 Nm/° from" in first_answer(both, words_in("en"))  # 2 Nm over 11.46°
 
 
-def test_the_report_answers_four_questions_first(done):
+def test_the_report_answers_its_questions_first(done):
     page = (done[0] / "report.html").read_text().split("</style>")[1]
     places = [page.index(text) for text in (*QUESTIONS, "Details", "Research", "by-trial")]
     assert places == sorted(places)
@@ -289,13 +295,13 @@ def test_two_legs_differ_and_do_not_change(sides, tmp_path) -> None:
 def test_no_change_and_doubtful_fits_are_never_a_yes(sides, tmp_path) -> None:
     one, doubt, fit = sides
     page = change_page(tmp_path / "c.html", compare_sessions(one, one), fit)
-    assert "none shown" in page
+    assert "no change shown" in page
     assert ">changed<" not in page
     assert "all are exploratory" in page
     by_model = {n: replace(q, basis="model") for n, q in one.by_name.items()}
     sides = [replace(each, by_name=FrozenDict(by_model)) for each in (one, doubt)]
     page = change_page(tmp_path / "c.html", compare_sessions(*sides), fit)
-    assert "none shown" not in page
+    assert "no change shown" not in page
     assert "exploratory" not in page
 
 

@@ -50,7 +50,7 @@ def modelled_stiffness(
     value, span = _.estimate(m.value, m.ci95)
     where = _("{range}, relaxed · 95 %: {span}", range=over(m, _), span=span)
     number = block.Text(where, "say", f"{value} Nm/°")
-    lines: list[block.Block] = [beside(number, of_fit, known, _)]
+    lines = beside(number, of_fit, known, _, m.name)
     if slope is not None:
         lines.append(block.Text(_("Measured slope: {slope}.", slope=slope_text(slope, _))))
     return tuple(lines)

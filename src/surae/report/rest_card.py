@@ -55,7 +55,7 @@ def rest_card(
     very = [norm for norm in known if norm.measure == m.name]
     others = [norm for norm in known if norm not in very]
     number = block.Text(where, "say", f"{value} Nm/°")
-    lines: list[block.Block] = [beside(number, of_fit, [*very, *others], _)]
+    lines = beside(number, of_fit, [*very, *others], _, m.name)
     if m.ci95_device is not None:
         _value, device = _.estimate(m.value, m.ci95_device)
         text = _("At this angle as the device shows it: {span}.", span=device)

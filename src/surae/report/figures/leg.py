@@ -18,6 +18,8 @@ CARD_WIDTH = 4.6
 #: A band may reach so many times the measured range beyond it; width of a letter in a bar [%].
 _BEYOND = 0.5
 _LETTER = 1.7
+#: Height from the line of one interval to the next, of the bar's.
+_LINE = 0.07
 
 
 def stiffness_figure(
@@ -152,7 +154,9 @@ def shares_bar(parts: Sequence[tuple[str, float, tuple[float, float] | None]]) -
     figure = new_figure(0.95, width=CARD_WIDTH)
     axes = figure.subplots()
     begin = 0.0
-    for (name, value, interval), colour in zip(parts, (INK, BLUE, GREY, "#e3e6ea"), strict=False):
+    for number, ((name, value, interval), colour) in enumerate(
+        zip(parts, (INK, BLUE, GREY, "#e3e6ea"), strict=False)
+    ):
         axes.barh(0, value, left=begin, height=0.6, color=colour, edgecolor="white")
         text = f"{name} {value:.0f} %"
         if value > _LETTER * len(text):
@@ -167,8 +171,9 @@ def shares_bar(parts: Sequence[tuple[str, float, tuple[float, float] | None]]) -
             )
         if interval is not None:
             ends = [begin + min(max(end, 0.0), 100.0) for end in interval]
-            axes.plot(ends, [0.45, 0.45], color=colour if colour == BLUE else INK, linewidth=2.0)
+            level = 0.42 + _LINE * number  # one above the other, so that none hides another in grey
+            axes.plot(ends, [level, level], color=colour, linewidth=2.0)
         begin += value
-    axes.set(xlim=(0.0, 100.0), ylim=(-0.4, 0.6))
+    axes.set(xlim=(0.0, 100.0), ylim=(-0.4, 0.7))
     axes.set_axis_off()
     return figure
