@@ -77,6 +77,8 @@ SECONDS = {
         "geometry",
         "how-much-is-nerve",
         "measure-a-leg",
+        "other-programs",
+        "predict-while-measuring",
     )
 }
 SECONDS |= {
@@ -87,6 +89,7 @@ SECONDS |= {
     "export",
     "fit",
     "impedance",
+    "judge",
     "load_session",
     "measures",
     "plan_session",

@@ -10,14 +10,12 @@ from surae.api.answers import validate as validate
 from surae.api.answers import write_change_page as write_change_page
 from surae.api.comparing import Comparison as Comparison
 from surae.api.comparing import compare as compare
-from surae.api.designing import as_device as as_device
 from surae.api.designing import design as design
-from surae.api.designing import expect as expect
 from surae.api.designing import measure_next as measure_next
 from surae.api.designing import plan_session as plan_session
-from surae.api.designing import ready_trajectory as ready_trajectory
 from surae.api.draws import posterior as posterior
 from surae.api.examples import example_leg as example_leg
+from surae.api.expecting import expect as expect
 from surae.api.exported import export as export
 from surae.api.fitted import Fit as Fit
 from surae.api.fitting import fit as fit
@@ -40,6 +38,8 @@ from surae.api.recordings import example as example
 from surae.api.relaxing import REST_ANGLES as REST_ANGLES
 from surae.api.relaxing import Relaxed as Relaxed
 from surae.api.relaxing import relaxed as relaxed
+from surae.api.requested import as_device as as_device
+from surae.api.requested import ready_trajectory as ready_trajectory
 from surae.api.session_result import SessionResult as SessionResult
 from surae.api.session_result import load_session as load_session
 from surae.api.session_run.progress import Step as Step

@@ -77,6 +77,9 @@ def _table(paths: Sequence[str], predictions: Sequence["api.Prediction"]) -> lis
             row[f"{name}_vaf"] = getattr(p.baselines, name)
             if reason := getattr(p.baselines, f"{name}_reason"):
                 row[f"{name}_reason"] = reason
+        if p.simplest_vaf is not None:
+            row["simplest_vaf"] = p.simplest_vaf
+            row["simplest_share"] = p.simplest
         if (judged := p.adequacy) is not None:
             row |= {"r2": judged.r2, "grade": str(judged.grade), "reasons": list(judged.reasons)}
         if p.fascicles:

@@ -14,7 +14,7 @@ from surae.base.formatting import (
 from surae.base.tables import TextTable
 from surae.base.words import Message
 from surae.inference import AssessedFit, Assessment
-from surae.inference.judging.assessment import outdated
+from surae.inference.judging.assessed import outdated
 from surae.inference.judging.parameter import ParameterEstimate
 from surae.measures.compute import judged_measures
 from surae.measures.points import points

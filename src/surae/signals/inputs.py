@@ -38,7 +38,7 @@ class Film(Comparable):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Effort(Comparable):
+class SmoothEffort(Comparable):
     """EMG envelopes as smooth as effort is, and how fast both change; arrays (4, n), read-only.
 
     Where a recording has none, they are made of it by filters that look ahead.
@@ -94,7 +94,7 @@ class ModelInputs(Comparable):
     #: How far its EMG may be too small for the rate of the raw EMG, see `lost_to_rate`.
     emg_lost: float = 0.0
     #: Its effort as a causal filter knows it; None: by `smooth_effort`, which looks ahead.
-    effort: Effort | None = None
+    effort: SmoothEffort | None = None
 
     def columns(self) -> dict[str, FloatArray]:
         """The signals under the names that our CSV gives them, time first."""

@@ -227,3 +227,7 @@ class Crossed:
     #: the fit, or its torque hardly changes.
     grade: str = ""
     reason: str = ""  #: Why there is no prediction; empty where there is one.
+    #: `template_vaf`, `ridge_vaf`: what the fit's trials predict of it without a model [%]: their
+    #: mean at the same phase, and a ridge regression; None where it was in the fit, or none is.
+    template_vaf: float | None = None
+    ridge_vaf: float | None = None
