@@ -2,9 +2,9 @@
 How stiff is a measured ankle at rest?
 ======================================
 
-Held angles and slow movements of a real leg on a dynamometer, through one description of their
-columns. No muscle is modelled: the curve and its band come from rest alone.
-``SURAE_DATA`` says where the published recordings are; where they are missing nothing is drawn.
+Held angles of a real leg on a dynamometer, read through one description of their columns.
+No muscle is modelled: the curve and its band come from rest alone. ``SURAE_DATA`` says where the
+published recordings are; where they are missing nothing is drawn.
 """
 
 import os

@@ -23,7 +23,7 @@ visits = [
 ]
 
 change = surae.change(*visits, question=("end_stiffness",))
-print(change)
+print(change.sentence)
 print(change.measures["end_stiffness"].verdict)
 
 # %%

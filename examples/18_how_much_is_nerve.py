@@ -8,6 +8,7 @@ later. Which part of the torque is the reflex's is found from angle and torque a
 
 import numpy as np
 import pandas as pd
+from matplotlib import pyplot
 from scipy.signal import butter, sosfilt
 
 import surae
@@ -27,3 +28,12 @@ recording = pd.DataFrame({"time_s": time, "angle_rad": angle, "torque_Nm": torqu
 found = surae.impedance(recording)
 print(found)
 print(f"the reflex: {found.reflex.verdict}")
+
+# %%
+# What it is in truth: tissue answers at once, the reflex 40 ms later.
+figure, axes = pyplot.subplots(figsize=(8, 3.5), layout="constrained")
+shown = slice(0, round(3 * rate))
+for name, part in (("torque", torque), ("tissue", tissue), ("reflex", reflex)):
+    axes.plot(time[shown], part[shown], label=name, linewidth=0.9)
+axes.set(xlabel="Time [s]", ylabel="Torque [Nm]")
+axes.legend(frameon=False, ncols=3)

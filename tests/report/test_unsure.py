@@ -3,9 +3,11 @@
 from dataclasses import replace
 from datetime import datetime
 from importlib.resources import files
+from types import SimpleNamespace
 
 import pytest
 
+from surae.base.words import Message
 from surae.inference import (
     AssessedFit,
     LeastSquares,
@@ -25,6 +27,7 @@ from surae.report.budget import budget_of, budget_section, what_to_measure, what
 from surae.report.fit import fit_report
 from surae.report.laboratory import family_section, family_text, laboratory_section, trials_section
 from surae.report.parameters import parameters_section, repeatable, shown_parameters
+from surae.report.summary import _notes
 
 from . import parts
 
@@ -289,3 +292,27 @@ def test_what_a_fit_can_find_has_a_record(auto):
     assert {"noise", "population", "left_out", "emg_gain"} <= set(result.solution.spread)
     named = {name for source in SOURCES.values() for name in source.parameters}
     assert set(result.solution.beliefs) <= named
+
+
+def test_what_several_ask_for_is_said_once() -> None:
+    def estimate(name: str, note: str) -> SimpleNamespace:
+        return SimpleNamespace(name=name, verdict="weak", note=note)
+
+    more = Message("record more trials of the same kind")
+
+    def advised(percent: int) -> Message:
+        known = Message("note/known-only", percent=f"{percent} %")
+        return Message("note/advised", known=known, advice=more)
+
+    told = {
+        "m": estimate("m", advised(20)),
+        "f0": estimate("f0", Message("note/narrowed", known=advised(30), percent="10 %")),
+        "beta": estimate("beta", "as an older file has it"),
+    }
+    lines = _notes(SimpleNamespace(parameters=told))
+    assert lines[1:] == [
+        "beta: as an older file has it",
+        "m known only to ±20 %, f0 known only to ±30 % (then about ±10 %): " + more,
+    ]
+    helps = ["– Record more trials of the same kind, and m would be known to ±10 %."]
+    assert "record more" not in " ".join(_notes(SimpleNamespace(parameters=told), helps))

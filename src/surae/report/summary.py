@@ -1,7 +1,7 @@
 """A fit on one screen: in a console, a notebook, and as `surae fit` shows it."""
 
 import textwrap
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from surae.base.formatting import (
@@ -49,7 +49,8 @@ def fit_table(fit: AssessedFit, width: int = 100) -> TextTable:
     assessment = fit.assessment
     words = adequacy_words(assessment.adequacy, fit.quality)
     listed = estimates_table(shown_parameters(assessment))
-    groups = [_notes(assessment), _helps(fit), _closing(fit)]
+    helps = _helps(fit)
+    groups = [_notes(assessment, helps), helps, _closing(fit)]
     return replace(
         listed,
         above=(
@@ -116,8 +117,11 @@ def _folded(groups: Iterable[list[str]], width: int) -> Iterator[str]:
             yield from textwrap.wrap(line, width, subsequent_indent="    ")
 
 
-def _notes(assessment: Assessment) -> list[str]:
-    """Why parameters are not identified and what to do, one line for each reason."""
+def _notes(assessment: Assessment, helps: Sequence[str] = ()) -> list[str]:
+    """Why parameters are not identified and what to do, one line for each reason.
+
+    What `helps` say to do is not said here, too.
+    """
     reasons: dict[str, list[str]] = {}
     rests: dict[str, list[str]] = {}
     advised: dict[str, list[str]] = {}
@@ -128,12 +132,13 @@ def _notes(assessment: Assessment) -> list[str]:
                 low, high = (p.note.values[end] for end in ("low", "high"))
                 rests.setdefault(why, []).append(f"{p.name} {low} to {high} %")
             elif (parted := _advised(p.note)) is not None:
-                advice, known = parted
-                advised.setdefault(advice, []).append(f"{p.name} {known}")
+                advised.setdefault(parted[0], []).append(f"{p.name} {parted[1]}")
             else:
                 reasons.setdefault(p.note, []).append(p.name)
     lines = [f"{', '.join(names)}: {note}" for note, names in reasons.items()]
-    lines += [f"{', '.join(known)}: {advice}" for advice, known in advised.items()]
+    for advice, known in advised.items():
+        again = any(line[2:].casefold().startswith(f"{advice}, and ".casefold()) for line in helps)
+        lines.append(", ".join(known) + ("" if again else f": {advice}"))
     lines += [f"{why}: {', '.join(spans)}" for why, spans in rests.items()]
     return ["Not identified:", *lines] if lines else []
 

@@ -17,6 +17,7 @@ from surae import api
 from surae.base.errors import InputError
 from surae.base.files import write_json
 from surae.base.names import LANGUAGES
+from surae.base.words import N_
 from surae.processes import tell
 from surae_workbench.web import imports, sliders
 from surae_workbench.web.draft import settings_of
@@ -102,17 +103,26 @@ def session(task: Task) -> dict[str, Any]:
 
     with _compiling():
         result = leg.run(None, settings, progress=progress, workers=None)
-    lines.append({"what": "fits", "outcome": "", "seconds": time.monotonic() - begun})
+    fitted_at = time.monotonic()
+    own = str(task.get("language", "en"))
+    answers = dict(result.answers(language=own)) if result.fits or result.joint else {}
+    news = {"what": N_("drawing the page"), "lines": lines, "answers": answers}
+    tell({**news, "done": 0, "total": len(LANGUAGES)})
     fits = {**result.fits, **({} if result.joint is None else {"joint": result.joint})}
     for name, fitted in fits.items():
         fitted.save(_file(task, "fit", task["fits"][name]))
-    translated = {each: result.blocks(each) for each in LANGUAGES if each != "en"}
-    kept = {**result.blocks(), "translated": translated}
+    pages = {}
+    for done, each in enumerate(LANGUAGES, 1):
+        pages[each] = result.blocks(each)
+        tell({**news, "done": done, "total": len(LANGUAGES)})
+    kept = {**pages.pop("en"), "translated": pages}
     write_json(_file(task, "session", task["id"]), kept)
     graded = None if result.main is None else {"grade": str(result.main.adequacy.grade)}
     return {
         "message": f"{len(result.fits)} of {len(recordings)} trials fitted"
-        + ("" if result.joint is None else f", {len(result.joined)} together"),
+        + ("" if result.joint is None else f", {len(result.joined)} together")
+        + f": {fitted_at - begun:.0f} s for the fits, {time.monotonic() - fitted_at:.0f} s for the "
+        f"page in {len(LANGUAGES)} languages",
         "interrupted": result.interrupted,
         "summaries": {
             name: summary(fitted, measured=name == "joint" or len(fits) == 1)

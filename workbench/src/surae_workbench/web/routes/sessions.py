@@ -71,6 +71,7 @@ def post_session(request: Request, body: SessionRequest, bench: Bench, browser: 
         "efforts": {id_: effort for id_, effort in body.efforts.items() if id_ in chosen},
         "versions": versions_of(bench, draft),
         "question": body.question,
+        "language": language_of(request),
         "fits": {name: new_id() for name in (*(row["name"] for row in rows), "joint")},
     }
     return bench.jobs.submit("session", called, browser, task, chosen[0])

@@ -76,6 +76,7 @@ function left(time) {
 const controls = jobControls({ start: byId("start"), stop: byId("stop"), said: byId("said"), bar: byId("progress") }, box.fit, {
   progress: (report) => {
     byId("first").textContent = report.first?.[language] ?? "";
+    if (report.answers) replace(byId("answers"), Object.entries(report.answers).map(([question, answer]) => h("div", {}, h("dt", {}, question), h("dd", {}, answer))));
     replace(byId("ended"), (report.lines ?? []).map((one) => h("li", {}, h("strong", {}, _(one.what)), ` ${_(one.outcome)} `, h("span", { class: "muted small" }, seconds(one.seconds)))));
     return report.total ? [`${_(report.what)}: ${_("{done} of {total} steps are done", report)}`, left(report.left_s)].filter(Boolean).join("; ") : progressText(report, "");
   },
