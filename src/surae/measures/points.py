@@ -13,7 +13,8 @@ from surae.base.units import FloatArray
 from surae.base.words import Message
 from surae.inference import FitResult
 from surae.inference.uncertainty.combined import Uncertainty
-from surae.measures.leg import Leg, NotDefinedError, leg_of, of_any_path
+from surae.measures.fitted_leg import leg_of, of_any_path, thinned_leg
+from surae.measures.leg import Leg, NotDefinedError
 from surae.measures.table import DEFINITIONS, Definition
 from surae.model.laboratory import OUTSIDE, group_of
 
@@ -83,6 +84,8 @@ def evaluate(
     reach = np.maximum(np.abs(known.values), 0.01 * (known.upper - known.lower))
     reach = np.where(np.isfinite(reach), reach, 1.0)
     steps = np.where(np.isnan(known.origin), _STEP * reach, _STEP)
+    if any(point.definition.of_recordings for point in wanted):
+        leg = thinned_leg(leg)
     with_geometry = of_any_path(leg) if known.geometry else leg
     for j, name in enumerate(known.names):
         step = float(steps[j])

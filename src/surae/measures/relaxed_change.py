@@ -105,14 +105,21 @@ def rest_change(
         Differences over the range that both moved through.
     """
     pairs = paired_legs(before, after, one_leg=not legs, remounted=remounted)
+    made = _differences(before, after, pairs, angles)
+    made[SHIFT] = _shift(before, after, pairs.before, pairs.after)
+    return RestChange(FrozenDict(made), _doubt(before, after, pairs), pairs.alike)
+
+
+def _differences(
+    before: RelaxedCurve, after: RelaxedCurve, pairs: LegPairs, angles: Sequence[float]
+) -> dict[str, RestDifference]:
+    """What changed of each measure of rest, over the range that both moved through."""
     moved = (max(before.moved[0], after.moved[0]), min(before.moved[1], after.moved[1]))
     sides = []
     for curve, possible in ((before, pairs.before), (after, pairs.after)):
         common = replace(curve, moved=moved)
         sides.append({each.name: each for each in values_of_rest(common, possible, angles)})
-    made = {name: _difference(sides[0][name], sides[1][name]) for name in sides[0]}
-    made[SHIFT] = _shift(before, after, pairs.before, pairs.after)
-    return RestChange(FrozenDict(made), _doubt(before, after, pairs), pairs.alike)
+    return {name: _difference(sides[0][name], sides[1][name]) for name in sides[0]}
 
 
 def remounting(first: RelaxedCurve, others: Sequence[RelaxedCurve]) -> float:
@@ -144,7 +151,7 @@ def with_detectable_changes(
     measures: Iterable[Measure], curve: RelaxedCurve, angles: Sequence[float]
 ) -> tuple[Measure, ...]:
     """Measures of rest with SDC and ICC: of a second visit like this one, the leg unchanged."""
-    again = rest_change(curve, curve, angles).differences
+    again = _differences(curve, curve, paired_legs(curve, curve), angles)
     made = []
     for m in measures:
         d = again.get(m.name)

@@ -12,7 +12,7 @@ rate is among the states, so that ∂α/∂delay = −α' is free.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -165,6 +165,10 @@ class ActiveState:
     #: Their columns; one may come more than once, and its derivatives then add up, shape (q,).
     columns: IntArray
     drives: tuple[FloatArray, ...]  #: What each drive contributes to α, shape (L, n).
+
+    def alone(self) -> "ActiveState":
+        """The same without derivatives."""
+        return replace(self, slopes=self.slopes[:0], columns=self.columns[:0])
 
 
 class ActivationFilter:

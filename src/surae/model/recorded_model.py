@@ -78,13 +78,19 @@ class Simulator:
         self._added = [(a.part, column, a.of(inputs)) for column, a in added if a is not None]
         #: Torque of a tissue that is given as a curve [Nm], shape (n,); None without one.
         self._tissue = None if options.tissue is None else options.tissue.of(inputs)
+        #: Active states that the next call may ask for, and at which values, by which columns.
+        self._ahead: tuple[tuple[bytes, frozenset[int]], list[ActiveState]] | None = None
         self._movement = Movement(inputs, options, self._at)
         self._excitation = Excitation(
             inputs, options, at=self._at, weights=weights, emg=inputs.emg.T if emg is None else emg
         )
 
-    def torque(self, values: FloatArray) -> FloatArray:
-        """Modelled torque [Nm], shape (n,)."""
+    def torque(self, values: FloatArray, ahead: Collection[int] = ()) -> FloatArray:
+        """Modelled torque [Nm], shape (n,).
+
+        Active states are kept with derivatives by columns `ahead`, for the one call that asks for
+        them next, if it is at the same values.
+        """
         p = np.array(values, dtype=np.float64)
         leg = self._movement.at(p)
         torque: FloatArray = p[0] * (leg.inertia + leg.gravity)
@@ -92,9 +98,14 @@ class Simulator:
             torque += self._tissue
         for _, column, row in self._added:
             torque += p[column] * row
-        for group, active in enumerate(self._active(p, leg)):
+        if self._excitation.has_reflex:  # which the movement moves
+            ahead = ()
+        states = self._active(p, leg, ahead)
+        if ahead:
+            self._ahead = (p.tobytes(), frozenset(ahead)), states
+        for group, active in enumerate(states):
             muscle = leg.muscles[group]
-            torque += muscle.arm * self._force(p, group, muscle, active)
+            torque += muscle.arm * self._force(p, group, muscle, active.alone())
         return torque
 
     def torque_jacobian(
@@ -203,6 +214,10 @@ class Simulator:
     ) -> list[ActiveState]:
         """Active states of both groups, with their derivatives by `columns`."""
         wanted = frozenset(columns)
+        made = self._ahead
+        self._ahead = None
+        if made is not None and made[0] == (p.tobytes(), wanted):
+            return made[1]
         step = self.activation(p, wanted)
         return [step.active_state(drives) for drives in self._excitation.drives(p, leg, wanted)]
 
@@ -225,6 +240,7 @@ class Simulator:
     def with_log_gain(self, gain: FloatArray | None) -> None:
         """Let the drives of TA, GL, SOL, GM have these logarithmic gains, shape (4, n)."""
         self._excitation.log_gain = gain
+        self._ahead = None
 
     def _force(
         self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState

@@ -1,6 +1,5 @@
 """The first screen of a fit's report: what was asked, a picture, and what came out with its ±."""
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -10,9 +9,10 @@ from surae.base.words import Message
 from surae.inference import AssessedFit, FitResult
 from surae.inference.relaxed.curve import RelaxedCurve
 from surae.measures import Measure
-from surae.measures.at_rest import measures_at, rest_of_fit
+from surae.measures.at_rest import rest_of_fit
 from surae.measures.compute import judged_measures
 from surae.measures.points import ANGLES, points
+from surae.measures.rest.judged import rated_measures
 from surae.measures.table import INVARIANT
 from surae.measures.torque_curve import torque_curve
 from surae.report import block
@@ -23,7 +23,7 @@ from surae.report.figures.relaxed import relaxed_figure
 from surae.report.invariants import is_invariant
 from surae.report.language import MEASURES, Words, words_in
 from surae.report.leg import angle_of
-from surae.report.leg_cards import is_known
+from surae.report.leg_cards import is_known, on_page_of
 from surae.report.provenance import requested
 from surae.report.rest_card import stated_angle
 from surae.report.traces import Traces
@@ -116,7 +116,8 @@ def _measures(fit: AssessedFit, curve: RelaxedCurve | Message) -> tuple[float, t
     at = angle_of(fit)
     slow = False
     if isinstance(curve, RelaxedCurve):
-        by_rest = [m.measure for m in measures_at(curve, fit.result, (at, *ANGLES), math.inf)]
+        rated = rated_measures(curve, (at, *ANGLES))
+        by_rest = [m.measure for m in rated if m.measure.value is not None]
         at = stated_angle({m.name: m for m in by_rest}, at)
         slow = f"slow_stiffness@{at:g}deg" in {m.name for m in by_rest}
     names = {*_RELAXED, *(definition.name for definition in INVARIANT)}
@@ -174,12 +175,10 @@ def _is_relaxed(m: Measure, at: float) -> bool:
 def _rows(measures: Sequence[Measure], words: Words) -> Iterator[block.Row]:
     """Those that are known, a row each."""
     for m in [m for m in measures if is_known(m)][:_MOST]:
-        assert m.value is not None
-        assert m.ci95 is not None
-        unit, factor = on_page(m.unit)
-        low, high = (factor * end for end in m.ci95)
-        value, half = with_half(factor * m.value, (low, high))
-        yield _called(m, words), value, f"{half} {unit}", block.verdict(m.verdict)
+        number, ci95 = on_page_of(m)
+        assert ci95 is not None
+        value, half = with_half(number, ci95)
+        yield _called(m, words), value, f"{half} {on_page(m.unit)[0]}", block.verdict(m.verdict)
 
 
 def _called(m: Measure, words: Words) -> str:

@@ -165,9 +165,12 @@ class Observed:
             seen.clear()
 
     def _set(
-        self, z: FloatArray, c: FloatArray, number: int
+        self, z: FloatArray, c: FloatArray, number: int, ahead: Sequence[int] = ()
     ) -> tuple[Any, ModelInputs, Latents, FloatArray]:
-        """The simulator of a recording at a point, and its parameter vector."""
+        """The simulator of a recording at a point, and its parameter vector.
+
+        Derivatives by columns `ahead` are asked for next.
+        """
         simulator = self._simulators[number]
         recording = self._inputs[number]
         latents = self._latents[number]
@@ -180,7 +183,7 @@ class Observed:
         if "plate_give" in self._names:
             simulator.pulled_by(measured(recording))
             with np.errstate(over="ignore", invalid="ignore"):
-                simulator.pulled_by(simulator.torque(values))
+                simulator.pulled_by(simulator.torque(values, ahead))
         return simulator, recording, latents, values
 
     def plain_residual(self, z: FloatArray, recording: ModelInputs, number: int) -> FloatArray:
@@ -204,9 +207,9 @@ class Observed:
         """A recording at a point, but for what latents add to it."""
         checkpoint()
         self.calls[0] += 1
-        simulator, recording, latents, values = self._set(z, c, number)
+        columns = [*self._at.columns, *self._at.own_columns]
+        simulator, recording, latents, values = self._set(z, c, number, columns)
         with np.errstate(over="ignore", invalid="ignore"):
-            columns = [*self._at.columns, *self._at.own_columns]
             tangent = simulator.tangent(values, columns, lengths=bool(latents.films))
         scale = self._at.scale(z)[:, None]
         n = recording.n

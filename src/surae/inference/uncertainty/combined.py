@@ -119,7 +119,8 @@ class Uncertainty(Comparable):
 
     def variances(self, gradient: FloatArray) -> dict[str, float]:
         """Variance by source."""
-        return {source: float(np.sum((by @ gradient) ** 2)) for source, by in self.rows.items()}
+        moved = ((source, by @ gradient) for source, by in self.rows.items())
+        return {source: float(each @ each) for source, each in moved}
 
     def sd(self, gradient: FloatArray) -> float:
         """Standard deviation, everything included."""

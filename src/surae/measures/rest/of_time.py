@@ -68,14 +68,21 @@ def over_time(
 def _hysteresis(curve: RelaxedCurve, legs: PossibleLegs, end: float) -> FloatArray:
     """100·∮T dθ/∫(T − T₀) dθ of the way to `end` [deg], T₀ the torque at its start."""
     elastic, lagging, angle = _loop_features(curve.low, curve.high, end)
-    torque = legs.weights @ elastic.T
-    for k, each in enumerate(lagging):
-        torque = torque + legs.gamma[:, [k]] * (legs.weights @ each.T)
-    between = 0.5 * (torque[:, 1:] + torque[:, :-1]) - torque[:, [0]]
     steps = np.diff(angle)
-    lost = between @ steps
-    there = between @ np.maximum(steps, 0.0)
+    # both are sums over the torque: of the features first, then of each leg
+    both = np.stack([_above_start(steps), _above_start(np.maximum(steps, 0.0))], axis=1)
+    work = legs.weights @ (elastic.T @ both)
+    for k, each in enumerate(lagging):
+        work += legs.gamma[:, [k]] * (legs.weights @ (each.T @ both))
+    lost, there = work.T
     return np.asarray(100.0 * lost / np.where(there > 0.0, there, np.nan))
+
+
+def _above_start(steps: FloatArray) -> FloatArray:
+    """What each torque adds to Σ step·(mean of the torques at its ends − the first torque)."""
+    weights: FloatArray = 0.5 * (np.append(steps, 0.0) + np.append(0.0, steps))
+    weights[0] -= steps.sum()
+    return weights
 
 
 @lru_cache(maxsize=16)

@@ -6,7 +6,8 @@ whose global state is left alone; nothing else of surae imports it first.
 
 import base64
 import io
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Literal
 
@@ -19,6 +20,7 @@ with ignoring("matplotlibrc"):
     from matplotlib import rc_context
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes as Axes
+    from matplotlib.axis import Axis
     from matplotlib.figure import Figure as Figure
     from matplotlib.layout_engine import ConstrainedLayoutEngine
     from matplotlib.transforms import Bbox
@@ -66,6 +68,8 @@ GREY = "#a3abb5"
 #: Room [inch] for a heading and for each entry of a legend beside it.
 _HEADING = 2.0
 _ENTRY = 0.85
+#: What labels of a column ask each axis of it for.
+_ASKED = ("_update_ticks", "_get_ticklabel_bboxes")
 
 
 def new_figure(height: float, *, width: float = WIDTH) -> Figure:
@@ -86,19 +90,48 @@ def align(figure: Figure) -> None:
     for axis in every:
         if not axis.label.get_text():
             axis.set_label_coords(0.5, 0.5)
-    for axes in figure.axes:
-        if axes.get_aspect() == "auto":
-            vars(axes)["get_tightbbox"] = _held(axes)
+    with _asked_once(every):
+        for axes in figure.axes:
+            if axes.get_aspect() == "auto":
+                vars(axes)["get_tightbbox"] = _held(axes)
     engine.execute(figure)
     for axes in figure.axes:
         vars(axes).pop("get_tightbbox", None)
     figure.set_layout_engine("none")
     figure.align_ylabels()
+    with _asked_once(every):
+        for axis in every:
+            if axis.label.get_text() and axis.get_tightbbox():
+                x, y = axis.label.get_position()
+                inside = axis.axes.transAxes.inverted().transform((x, y))
+                there = (x, inside[1]) if axis.axis_name == "x" else (inside[0], y)
+                axis.set_label_coords(*there)
+
+
+@contextmanager
+def _asked_once(every: Sequence[Axis]) -> Iterator[None]:
+    """Ticks of axes that stay where they are: the labels of a column ask all of them in turn."""
+    asked = [name for name in _ASKED if hasattr(Axis, name)]  # they are matplotlib's own
     for axis in every:
-        if axis.label.get_text() and axis.get_tightbbox():
-            x, y = axis.label.get_position()
-            inside = axis.axes.transAxes.inverted().transform((x, y))
-            axis.set_label_coords(*((x, inside[1]) if axis.axis_name == "x" else (inside[0], y)))
+        vars(axis).update({name: _once(getattr(axis, name)) for name in asked})
+    try:
+        yield
+    finally:
+        for axis in every:
+            for name in asked:
+                vars(axis).pop(name, None)
+
+
+def _once(function: Callable[..., Any]) -> Callable[..., Any]:
+    """What a function gave when it was first asked."""
+    given: list[Any] = []
+
+    def asked(*arguments: Any) -> Any:
+        if not given:
+            given.append(function(*arguments))
+        return given[0]
+
+    return asked
 
 
 def _held(axes: Axes) -> Callable[..., Bbox]:
