@@ -45,12 +45,29 @@ def numbers(text: str) -> list[int]:
     return [n for low, _, high in pieces for n in range(int(low), int(high or low) + 1)]
 
 
+def zero_of(family: str, seed: int) -> float:
+    """By how much the device shows more than the ankle's own angle [deg]."""
+    departures = leg(family, seed).departures
+    return float(np.degrees(sum(d.zero() for d in departures if hasattr(d, "zero"))))
+
+
+def by_device(name: str, true: float, zero: float) -> float:
+    """What is true of a measure that counts from a zero, by the device's [deg]."""
+    if name.startswith("optimal_angle"):
+        return true + zero
+    if name.startswith("working_point"):
+        return true - zero if name.endswith("_tri") else true + zero
+    return true
+
+
 def over_the_range(
     family: str, seed: int, low: float, high: float, optimum: dict[str, float | None]
 ) -> dict[str, float]:
-    """Truth of what needs no zero, over a range [deg], in a leg whose zero is the device's."""
+    """Truth of what needs no zero, over a range by the device [deg]: the ankle's own is another."""
     one = leg(family, seed)
     subject = one.lasting(one.subject)
+    zero = zero_of(family, seed)
+    low, high = low - zero, high - zero
     paths = subject.geometry.path(np.radians([low, high]))
     found = {}
     for i, (group, muscle) in enumerate(zip(GROUPS, subject.muscles(), strict=True)):
@@ -70,7 +87,8 @@ def told(family: str, seed: int, trials: int) -> list[Row]:
         fit = surae.fit(make(family, seed, Path(folder), range(1, trials + 1)))
         measures = fit.measures()
     ends = measures["optimum_before_end_tri"]
-    if ends.from_deg is not None and truth.get("working_point_tri") is not None:
+    known = truth.get("working_point_tri") is not None
+    if known and ends.from_deg is not None and ends.to_deg is not None:
         truth = {**truth, **over_the_range(family, seed, ends.from_deg, ends.to_deg, truth)}
     rows = []
     for name in COUNTED:
@@ -78,6 +96,7 @@ def told(family: str, seed: int, trials: int) -> list[Row]:
         if truth.get(name) is None or m is None or m.value is None or m.ci95 is None:
             continue
         row: Row = {"family": family, "seed": seed, "measure": name, "true": truth[name]}
+        row["device_true"] = by_device(name, truth[name], zero_of(family, seed))
         row |= {"value": m.value, "low": m.ci95[0], "high": m.ci95[1]}
         row |= dict(zip(("device_low", "device_high"), m.ci95_device or m.ci95, strict=True))
         row |= {"verdict": str(m.verdict), "grade": str(fit.adequacy.grade)}
@@ -99,10 +118,12 @@ def summary(rows: list[Row]) -> str:
 
 def _counted(some: list[Row], kind: str) -> str:
     """How many of some intervals hold, and their medians."""
-    ends = [(r["true"], float(r[f"{kind}low"]), float(r[f"{kind}high"])) for r in some]
+    ends = [tuple(float(r[f"{kind}{of}"]) for of in ("true", "low", "high")) for r in some]
     holds = [low <= true <= high for true, low, high in ends]
     half = np.median([0.5 * (high - low) for _, low, high in ends])
-    off = np.median([abs(r["value"] - r["true"]) for r in some])
+    off = np.median(
+        [abs(float(r["value"]) - true) for r, (true, _, _) in zip(some, ends, strict=True)]
+    )
     sure = [hold for hold, r in zip(holds, some, strict=True) if r["verdict"] == "identified"]
     share = f"{sum(holds)} of {len(some)} hold ({100 * np.mean(holds):.0f} %)"
     wide = f"half-width {half:.1f}, error {off:.1f} (medians)"

@@ -98,6 +98,16 @@ def half(m) -> float:
     return (m.ci95[1] - m.ci95[0]) / 2.0
 
 
+def test_what_counts_from_the_zero_is_surer_by_the_device(told) -> None:
+    for name in ("working_point_tri", "working_point_tib", "optimal_angle_tib"):
+        m = told[name]
+        assert m.ci95_device is not None
+        assert half(m) > 0.5 * (m.ci95_device[1] - m.ci95_device[0])
+        assert m.ci95[0] <= m.ci95_device[0] <= m.value <= m.ci95_device[1] <= m.ci95[1]
+    assert told["longest_length_tri"].ci95_device is None  # no zero is in it
+    assert told["shortest_length_tri"].value < told["longest_length_tri"].value
+
+
 @pytest.mark.slow
 def test_the_zero_of_the_angle_is_in_what_is_told_at_an_angle_and_in_nothing_else(fitted) -> None:
     fit, _ = fitted(1)
@@ -122,6 +132,7 @@ def test_the_zero_of_the_angle_is_in_what_is_told_at_an_angle_and_in_nothing_els
         "torque_rise",
         "slack_before_end_tri",
         "optimum_before_end_tri",
+        "shortest_length_tri",
         "bandwidth",
         "tissue_share",
     ):

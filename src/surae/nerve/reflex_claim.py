@@ -12,7 +12,7 @@ from surae.nerve.other_structures import MISFIT
 from surae.nerve.perturbed_records import ReflexPath
 from surae.nerve.presence import LEAST_SHARE, NATS, NONE_SEEN, OVER_NONE, OVER_OTHER, Weighed
 from surae.nerve.samples import Samples
-from surae.nerve.yielding import DEVICE_YIELDS, LEG_DRIVES, TOO_FREE, TOO_MUCH, Loop
+from surae.nerve.yielding import BLURRED, DEVICE_YIELDS, LEG_DRIVES, TOO_FREE, TOO_MUCH, Loop
 
 #: Of directions of movement, by their sign.
 DIRECTIONS = {1: "dorsiflexion", -1: "plantarflexion"}
@@ -103,12 +103,16 @@ def in_loop(claims: Claimed, loop: Loop, found: Cascade) -> Claimed:
         return Claimed(ReflexPath("cannot tell", None, why), {}, {}, why)
     if not loop.yields:
         return claims
-    numbers = {name: loop.widened(name, number) for name, number in claims.numbers.items()}
-    if loop.free <= TOO_FREE:
-        return replace(claims, numbers=numbers)
     why = Message(TOO_MUCH, part=100.0 * loop.free)
-    own = {name: number for name, number in numbers.items() if not name.startswith("reflex_")}
-    return Claimed(ReflexPath("cannot tell", None, why), own, {}, why)
+    own = {
+        name: loop.widened(number)
+        for name, number in claims.numbers.items()
+        if not name.startswith("reflex_")
+    }
+    hides = claims.reflex.verdict == "none seen" and BLURRED * found.unseen[0] > NONE_SEEN
+    if loop.free > TOO_FREE or hides:
+        return Claimed(ReflexPath("cannot tell", None, why), own, {}, why)
+    return replace(claims, numbers=own, hidden={}, why=why)
 
 
 def claimed(found: Cascade, reflex: ReflexPath, behind: float) -> Claimed:
