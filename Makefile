@@ -60,8 +60,9 @@ lock: $(READY)          ## renew requirements.lock from pyproject.toml
 	$(BIN)/uv pip compile pyproject.toml --extra dev --universal --generate-hashes \
 	    --no-header --no-annotate --quiet --upgrade --output-file requirements.lock
 
-browser:                ## what the workbench's tests drive; installed in CI, else only looked for
+browser:                ## what the workbench's tests drive, and a compiler; installed in CI, else only looked for
 	@.ci/browser
+	@.ci/compiler
 
 clean:                  ## remove what the other targets made
 	rm -rf $(VENV) demo dist docs/_build docs/gallery docs/api/generated .pytest_cache .mypy_cache .ruff_cache .hypothesis .benchmarks

@@ -33,6 +33,7 @@ LAYERS = (
     ("trials",),
     ("measures",),
     ("exchange",),
+    ("causal",),
     ("cohorts",),
     ("studies",),
     ("planning",),

@@ -1,22 +1,18 @@
 """Engines: the same from all of them, and a worker that dies costs a retry at most."""
 
-import json
 import os
 import signal
-import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack, closing
-from pathlib import Path
+from contextlib import closing
 
 import pytest
 
+from clusters import PATIENCE, Cluster, started_cluster
 from surae.base.errors import ComputationError, InputError
 from surae.processes.runner import Died, Engine, results
 
-#: Seconds that anything may take on a computer that is busy with other things.
-PATIENCE = 300.0
 CALLS = {f"call {n}": {"n": n} for n in range(40)}
 #: Calls that know the process that they must not kill.
 POISON = {"poison": {"n": -1, "spared": os.getpid()}}
@@ -102,38 +98,13 @@ def test_engines_that_are_none() -> None:
 
 
 @pytest.fixture
-def cluster(request, tmp_path, monkeypatch) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
+def cluster(request, tmp_path, monkeypatch) -> Iterator[Cluster]:
     """A scheduler and two workers, processes of their own, over TCP: its address, the workers."""
     pytest.importorskip("distributed")
     # the workers may start slowly
     monkeypatch.setattr("surae.processes.runner._PATIENCE", PATIENCE)
-    where = tmp_path / "scheduler.json"
-    path = os.pathsep.join([str(Path(__file__).parent), *filter(None, sys.path)])
-    settings = os.environ | {"PYTHONPATH": path}
-    settings |= getattr(request, "param", {})
-    host = ["--host", "127.0.0.1", "--no-dashboard"]
-    alone = ["--scheduler-file", where, "--nthreads", "1", "--no-nanny", *host]
-    alone += ["--local-directory", tmp_path]
-    kinds = [["scheduler", "--port", "0", "--scheduler-file", where, *host]]
-    kinds += [["worker", *alone]] * 2
-    with ExitStack() as stack:
-        started = []
-        for kind in kinds:
-            process = subprocess.Popen(
-                [sys.executable, "-m", "dask", *kind],
-                env=settings,
-                cwd=tmp_path,
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,
-            )
-            stack.callback(process.wait)
-            stack.callback(process.kill)
-            started.append(process)
-        end = time.monotonic() + PATIENCE
-        while not where.exists() or not where.read_text().strip():
-            assert time.monotonic() < end
-            time.sleep(0.05)
-        yield json.loads(where.read_text())["address"], started[1:]
+    with started_cluster(tmp_path, getattr(request, "param", {})) as both:
+        yield both
 
 
 @pytest.mark.slow

@@ -21,7 +21,7 @@ _SVG = b'<svg xmlns="http://www.w3.org/2000/svg" width="1" height="1"/>'
 def few_legs() -> Iterator[None]:
     """Intervals of measures from 64 possible legs: for tests that claim other things of them."""
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr("surae.measures.compute._DRAWS", 64)
+        patched.setattr("surae.measures.bent._DRAWS", 64)
         yield
     compute.judged_measures.cache_clear()
 

@@ -4,6 +4,7 @@ from surae._version import __version__ as __version__
 from surae.api import Comparison as Comparison
 from surae.api import Fit as Fit
 from surae.api import Relaxed as Relaxed
+from surae.api import SecondOpinion as SecondOpinion
 from surae.api import Session as Session
 from surae.api import SessionResult as SessionResult
 from surae.api import change as change
@@ -17,6 +18,7 @@ from surae.api import expect as expect
 from surae.api import export as export
 from surae.api import fit as fit
 from surae.api import impedance as impedance
+from surae.api import judge as judge
 from surae.api import load as load
 from surae.api import load_session as load_session
 from surae.api import measure_next as measure_next
@@ -33,13 +35,15 @@ from surae.api import validate as validate
 from surae.base.errors import ComputationError as ComputationError
 from surae.base.errors import InputError as InputError
 from surae.base.errors import SuraeError as SuraeError
-from surae.cohorts.pooled import Cohort as Cohort
+from surae.causal.predictor import Predictor as Predictor
+from surae.cohorts.result import Cohort as Cohort
+from surae.exchange.bids import write_bids as write_bids
 from surae.inference import Adequacy as Adequacy
 from surae.inference import ParameterEstimate as ParameterEstimate
 from surae.inference import Prediction as Prediction
 from surae.measures import Measure as Measure
 from surae.measures import Measures as Measures
-from surae.measures.change import Change as Change
+from surae.measures.change.result import Change as Change
 from surae.measures.package import measures as measures
 from surae.model import MODELS as MODELS
 from surae.model.options import ModelOptions as ModelOptions

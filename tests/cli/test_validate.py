@@ -36,6 +36,8 @@ def test_the_figures_are_those_of_the_api(run, files, second) -> None:
         "rmse_Nm": predicted.rmse,
         "bias_Nm": predicted.bias,
         "torque_ci95_covers": predicted.covers,
+        "template_vaf": None,
+        "template_reason": predicted.baselines.template_reason,
         "ridge_vaf": predicted.baselines.ridge,
         "r2": predicted.adequacy.r2,
         "grade": str(predicted.adequacy.grade),

@@ -41,13 +41,21 @@ PUBLIC = documented()
 CLASSES = {name: public for name, public in PUBLIC.items() if inspect.isclass(public)}
 
 
+def members_of(public: type) -> dict[str, object]:
+    """What a class has of its own, and of those that the public face makes it of."""
+    parts = [each for each in public.__mro__ if each.__module__.startswith("surae.api.")]
+    return {
+        name: value for each in (*reversed(parts), public) for name, value in vars(each).items()
+    }
+
+
 def functions() -> Iterator[tuple[str, Callable[..., object], bool]]:
     """Name, function, and whether its first parameter is self or cls."""
     for name, public in PUBLIC.items():
         if inspect.isfunction(public):
             yield name, public, False
         elif inspect.isclass(public):
-            for member, value in vars(public).items():
+            for member, value in members_of(public).items():
                 if member.startswith("_"):
                     continue
                 if isinstance(value, classmethod | staticmethod):
@@ -122,7 +130,7 @@ def test_a_class_names_what_it_is_made_of():
             wrong.append(f"{name}: not said: {unsaid}")
         wrong += [
             f"{name}.{member}: no docstring"
-            for member, value in vars(kind).items()
+            for member, value in members_of(kind).items()
             if isinstance(value, property) and not member.startswith("_")
             if not inspect.getdoc(value)
         ]

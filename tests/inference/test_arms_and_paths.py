@@ -16,7 +16,7 @@ from surae.inference.judging.assessment import _with_geometry
 from surae.inference.posterior.empirical_bayes import BEGIN
 from surae.inference.posterior.family import Family
 from surae.inference.posterior.valleys import white_noise
-from surae.measures.compute import evaluate, points
+from surae.measures.points import evaluate, points
 from surae.model import ModelOptions
 from surae.model.knowledge import Knowledge
 from surae.model.laboratory import group_of
@@ -159,10 +159,10 @@ def test_the_order_of_parameters_changes_no_draw(known) -> None:
 
 
 def test_another_seed_or_order_changes_no_verdict(auto, monkeypatch) -> None:
-    from surae.measures import compute
+    from surae.measures import bent, compute
 
     def verdicts(seed):
-        monkeypatch.setattr(compute, "_SEED", seed)
+        monkeypatch.setattr(bent, "_SEED", seed)
         compute.judged_measures.cache_clear()
         fit = surae.Fit(auto, assess(auto))
         return {name: m.verdict for name, m in fit.measures().items()}

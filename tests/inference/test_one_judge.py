@@ -16,7 +16,7 @@ from surae.inference.judging.verdict import (
     THRESHOLD,
     verdict_of,
 )
-from surae.measures.change import compare_sessions
+from surae.measures.change.compare import compare_sessions
 from surae.measures.compared import quantities
 from surae.nerve.identify import Number
 from surae.nerve.measures import ONE_LAW, number_of

@@ -15,7 +15,7 @@ from surae.inference import assess, make_problem, solve
 from surae.inference.identifiability.identified import identifiability
 from surae.inference.least_squares.residuals import simulators
 from surae.inference.uncertainty.combined import combined
-from surae.measures.compute import evaluate, points
+from surae.measures.points import evaluate, points
 from surae.model.source_table import SOURCES
 from surae.planning.legs import fit_legs
 from surae.report.parameters import parameters_section
@@ -93,7 +93,7 @@ def test_a_measure_is_as_unsure_as_the_parameters_it_is_made_of(fit) -> None:
 
 
 def legs_of(fit):
-    from surae.measures.compute import leg_of
+    from surae.measures.leg import leg_of
 
     known = fit.assessment.uncertainty
     for drawn in known.draw(600, seed=3):

@@ -22,6 +22,8 @@ from surae.inference.posterior.look_back import explained
 LESS = 0.5
 #: Evaluations of a search where it was 62, and 220 before kinks were round and descents rested.
 MOST = 80
+#: Part of what is called identified that is true: that all of it is would be decided by chance.
+TRUE = 0.95
 
 
 def raw_leg(folder: Path, family: str, seed: int, every: int = 1, *, seconds: float = 20.0) -> Path:
@@ -93,7 +95,11 @@ def test_a_search_takes_few_evaluations(family, seed, tmp_path) -> None:
 
 
 def two_ends(*case: object):
-    """A leg whose search has two ends, 0.1 apart in −2 ln p: a tendon just taut, or crosstalk."""
+    """A leg whose search has two ends, 0.1 apart in −2 ln p: a tendon just taut, or crosstalk.
+
+    Of j and n only the point moves at which the tibialis's tendon is taut, by 0.13 and 0.15
+    standard deviations.
+    """
     return pytest.param(*case, marks=pytest.mark.xfail(reason="two ends", strict=True))
 
 
@@ -106,15 +112,15 @@ LEGS = [
     ("f", 3701, 0),
     ("g", 41, 0),
     ("h", 46, 0),
-    ("j", 3721, 0),
+    two_ends("j", 3721, 0),
     ("o", 3721, 0),
     ("r", 3721, 0),
     ("t", 3721, 0),
     ("u", 3721, 0),
     ("a", 3721, 1),
-    two_ends("b", 3721, 1),
+    ("b", 3721, 1),
     ("m", 3721, 1),
-    ("n", 3721, 2),
+    two_ends("n", 3721, 2),
     ("v", 3721, 3),
     ("h", 4503, 4),
     ("w", 3721, 4),
@@ -150,7 +156,7 @@ def test_raw_emg_identifies_as_much_as_envelopes(tmp_path) -> None:
     As if arms and paths were known: what they take of the claims they take of both. They are not
     known of these legs, so that truth is asked of what is said by default.
     """
-    claimed, held = {False: 0, True: 0}, []
+    claimed, held, true = {False: 0, True: 0}, [], []
     for family in "abcdefghijkmnoprtuvw":
         truth = truth_of(family, 4974, 1)["parameters"]
         for raw in claimed:
@@ -161,9 +167,10 @@ def test_raw_emg_identifies_as_much_as_envelopes(tmp_path) -> None:
             for name, own in fit.parameters.items() if raw else ():
                 if own.ci95 and truth.get(name) is not None:
                     held.append(own.ci95[0] <= truth[name] <= own.ci95[1])
-                    assert own.verdict != "identified" or held[-1], (family, name)
+                    true += [held[-1]] if own.verdict == "identified" else []
     assert claimed[True] >= 0.9 * claimed[False] > 0
     assert keeps_the_promise(sum(held), len(held), HOLD)
+    assert keeps_the_promise(sum(true), len(true), TRUE)
 
 
 @pytest.mark.slow

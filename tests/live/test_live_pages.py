@@ -18,7 +18,7 @@ OPERATOR, SUBJECT = "operator-token", "subject-token"
 @pytest.fixture(scope="module")
 def served(lsl, tmp_path_factory):
     made = ServedRoom(
-        tmp_path_factory.mktemp("pages"), mapping=None, network=False, watch=None, leg=None
+        tmp_path_factory.mktemp("pages"), mapping=None, network=False, device="achilles"
     )
     yield made
     made.close()

@@ -376,7 +376,7 @@ def test_a_designed_protocol_keeps_to_the_device_and_too_much_is_not_loaded(
     lsl, tmp_path, monkeypatch
 ) -> None:
     monkeypatch.setattr("surae_workbench.live.trials.Child", Quick)
-    room = Room(tmp_path / "out")
+    room = Room(tmp_path / "out", device="achilles")
     try:
         room.load(profile="passive-20")
         assert room.planned["effort"] == "passive"

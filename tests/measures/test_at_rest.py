@@ -12,8 +12,9 @@ from ankle_legs.make import make, truth_of
 from relaxed_ankle import Ankle, efforts, measured, movement
 from surae.cli import group
 from surae.inference import Grade, Verdict
-from surae.measures.change import ChangeVerdict, compare_sessions
+from surae.measures.change.compare import compare_sessions
 from surae.measures.compared import quantities
+from surae.measures.difference import ChangeVerdict
 from surae.protocol import Protocol, generate
 from surae.recording import MUSCLES
 from surae.studies import virtual_subject, virtual_trial

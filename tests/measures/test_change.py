@@ -11,7 +11,7 @@ import surae
 from surae.base.frozen import FrozenDict
 from surae.inference import Grade
 from surae.inference.judging.reasons import against
-from surae.measures.change import compare_sessions
+from surae.measures.change.compare import compare_sessions
 from surae.measures.compared import common_end, quantities
 from surae.measures.difference import ChangeVerdict
 from surae.measures.reliability import SCATTER

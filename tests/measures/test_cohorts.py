@@ -11,8 +11,10 @@ import pytest
 import surae
 from surae.base.errors import InputError
 from surae.base.frozen import FrozenDict
+from surae.cohorts.effects import random_effects
+from surae.cohorts.member import CohortMember
 from surae.cohorts.members import populations, read_table
-from surae.cohorts.pooled import CohortMember, borrowed, ends_of, pool, random_effects
+from surae.cohorts.pooled import borrowed, ends_of, pool
 from surae.inference import Adequacy, Grade
 from surae.measures.compared import Quantities, Quantity
 from surae.protocol import Protocol, generate

@@ -220,6 +220,10 @@ def test_the_end_of_the_range_is_where_it_was_moved_to(compliant) -> None:
         "slack_before_end_tri": high - slack,
         "optimum_before_end_tri": high - optimal_angle(p, "tri"),
         "optimum_before_end_tib": optimal_angle(p, "tib") - low,
+        "shortest_length_tri": 100.0 * force(p, "tri", low)[1] / p["l0_tri"],
+        "longest_length_tri": 100.0 * force(p, "tri", high)[1] / p["l0_tri"],
+        "shortest_length_tib": 100.0 * force(p, "tib", high)[1] / p["l0_tib"],
+        "longest_length_tib": 100.0 * force(p, "tib", low)[1] / p["l0_tib"],
     }
     for each in DEFINITIONS:
         if each.name in truth:

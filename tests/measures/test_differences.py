@@ -11,7 +11,7 @@ from surae.base.errors import InputError
 from surae.base.frozen import FrozenDict
 from surae.inference import Adequacy, Grade
 from surae.inference.judging.reasons import against
-from surae.measures.change import compare_sessions
+from surae.measures.change.compare import compare_sessions
 from surae.measures.compared import Quantities, Quantity
 from surae.measures.difference import ChangeVerdict
 

@@ -5,7 +5,7 @@ import pytest
 
 import surae
 from surae.protocol import PROFILES, Protocol, generate
-from surae.report.cycles import find_cycles
+from surae.signals.cycles import find_cycles
 
 RATE = 100.0
 TIME = np.arange(6000) / RATE

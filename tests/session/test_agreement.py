@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 
 import surae
-from surae.api import session_run
+from surae.api.session_run.checked import CheckedTrials
 from surae.base.names import LANGUAGES
 from surae.inference import Verdict
 from surae.inference.judging.adequacy import doubted
 from surae.inference.judging.reasons import OF_OTHER_TRIALS, OF_STIFFNESS, against
-from surae.measures.compute import measures_by_model, points
+from surae.measures.by_model import measures_by_model
+from surae.measures.points import points
 from surae.quality import Finding
 from surae.report.language import words_in
 from surae.report.leg_cards import share_words
@@ -57,14 +58,14 @@ def test_a_trial_that_was_left_out_is_asked(leg, relaxed_trial, tmp_path, monkey
     """Of another leg, and left out for an error: the fit of the others must predict it."""
     shutil.copytree(leg, tmp_path / "leg")
     relaxed_trial(tmp_path / "leg" / "passive.csv", 8)
-    found = session_run._Run._wrong
+    found = CheckedTrials.wrong
 
     error = Finding("emg-flat", "error", "emg_sol", 0.0, 1.0, 1.0, "-", "It is flat.", "Look.")
 
     def wrong(self, name):
         return error if name == "passive" else found(self, name)
 
-    monkeypatch.setattr(session_run._Run, "_wrong", wrong)
+    monkeypatch.setattr(CheckedTrials, "wrong", wrong)
     with blank_figures(made=False), few_legs():
         result = surae.session(tmp_path / "leg").run(tmp_path / "out", **QUICK)
     assert result.joined == ("walk 1", "walk 2")

@@ -8,8 +8,8 @@ from types import SimpleNamespace
 import pytest
 
 import surae
-from surae.api import session_run
 from surae.api.answers import fit_of
+from surae.api.session_run import run
 from surae.base.errors import InputError
 from surae.cohorts.members import quantities_of
 from surae.trials.folder import require_own
@@ -104,7 +104,7 @@ def test_a_run_that_was_stopped_tells_no_older_joint_fit(walks, tmp_path, monkey
     def stopped(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(session_run, "fit_inputs", stopped)
+    monkeypatch.setattr(run, "fit_inputs", stopped)
     surae.session(folder).run(out, **QUICK, fixed={"beta": 1.0})
     with pytest.raises(InputError, match=r"no joint one \(it was stopped\)"):
         surae.change(out, done)
@@ -115,7 +115,7 @@ def test_a_run_that_was_stopped_tells_no_older_joint_fit(walks, tmp_path, monkey
 @pytest.mark.usefixtures("undrawn")
 def test_a_killed_run_leaves_an_index_and_goes_on(walks, tmp_path, monkeypatch):
     folder, _, result = walks
-    out, whole, calls = tmp_path / "out", session_run.fit_inputs, []
+    out, whole, calls = tmp_path / "out", run.fit_inputs, []
 
     def killed(*given):
         calls.append(given)
@@ -123,11 +123,11 @@ def test_a_killed_run_leaves_an_index_and_goes_on(walks, tmp_path, monkeypatch):
             raise SystemExit(137)  # no code of ours runs any more
         return whole(*given)
 
-    monkeypatch.setattr(session_run, "fit_inputs", killed)
+    monkeypatch.setattr(run, "fit_inputs", killed)
     with pytest.raises(SystemExit):
         surae.session(folder).run(out, **QUICK)
     assert json.loads((out / "session.json").read_text())["interrupted"] is True
-    monkeypatch.setattr(session_run, "fit_inputs", whole)
+    monkeypatch.setattr(run, "fit_inputs", whole)
     told = []
     again = surae.session(folder).run(out, progress=told.append, **QUICK)
     assert any("(kept)" in step.outcome for step in told)

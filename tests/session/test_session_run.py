@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import surae
-from surae.api import session_run
+from surae.api.session_run import run
+from surae.api.session_run.beside import Beside
 from surae.api.sides import side_of
 from surae.base.errors import InputError
 from surae.base.frozen import read_only
@@ -46,7 +47,7 @@ def test_each_and_all_are_fitted_and_predicted(done):
 def test_the_joint_fit_in_a_process_beside_is_the_same(done, leg, monkeypatch, lost):
     """Where that process is lost, the fit is made here."""
     if lost:
-        monkeypatch.setattr(session_run._Beside, "begin", lambda self, *_: self._child.close())
+        monkeypatch.setattr(Beside, "begin", lambda self, *_: self._child.close())
     _, result = done
     both = surae.session(leg).run(workers=2, **QUICK)
     assert both.rows() == result.rows()
@@ -176,13 +177,13 @@ def test_a_run_resumes_and_notices_what_changed(done, leg, tmp_path, monkeypatch
     out = tmp_path / "out"
     shutil.copytree(folder, out)
     made = []
-    whole = session_run.fit_inputs
+    whole = run.fit_inputs
 
     def counted(inputs, *rest):
         made.append([each.name for each in inputs])
         return whole(inputs, *rest)
 
-    monkeypatch.setattr(session_run, "fit_inputs", counted)
+    monkeypatch.setattr(run, "fit_inputs", counted)
     again = surae.session(leg).run(out, **QUICK)
     assert made == []
     assert again.fits == result.fits
@@ -203,7 +204,7 @@ def test_a_run_resumes_and_notices_what_changed(done, leg, tmp_path, monkeypatch
 
 @pytest.mark.usefixtures("figures_made")
 def test_ctrl_c_keeps_what_is_done(leg, tmp_path, monkeypatch):
-    whole, calls = session_run.fit_inputs, []
+    whole, calls = run.fit_inputs, []
 
     def stopped(inputs, *rest):
         calls.append(inputs[0].name)
@@ -211,7 +212,7 @@ def test_ctrl_c_keeps_what_is_done(leg, tmp_path, monkeypatch):
             raise KeyboardInterrupt
         return whole(inputs, *rest)
 
-    monkeypatch.setattr(session_run, "fit_inputs", stopped)
+    monkeypatch.setattr(run, "fit_inputs", stopped)
     result = surae.session(leg).run(tmp_path / "out", **QUICK)
     assert result.interrupted
     assert list(result.fits) == calls[:1]

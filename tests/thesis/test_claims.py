@@ -7,7 +7,7 @@ from surae_thesis import appendix, movements, simulation, tendons
 from surae_thesis.claims import CAUSES, INTEGRATOR, Claim, NotThereError, Ruling, judge, read_claims
 from surae_thesis.cohort import beyond, subjects
 from surae_thesis.cohort.rules import COHORT
-from surae_thesis.legs import EARLY, IN_TURN, LEAD, SLOW
+from surae_thesis.legs import EARLY, IN_TURN, LEAD, SLOW, STRAIN
 from surae_thesis.section import SECTIONS
 from surae_thesis.simulation.cells import MAGNITUDE, SIGNED
 
@@ -85,8 +85,8 @@ RULES = {
 }
 #: The views that sections have, by section; of the others there is one.
 VIEWS = {
-    "simulation": {SIGNED, MAGNITUDE, IN_TURN, LEAD, EARLY, SLOW, INTEGRATOR},
-    "subjects": {COHORT, INTEGRATOR},
+    "simulation": {SIGNED, MAGNITUDE, STRAIN, IN_TURN, LEAD, EARLY, SLOW, INTEGRATOR},
+    "subjects": {COHORT, STRAIN, INTEGRATOR},
 }
 
 
@@ -125,6 +125,57 @@ def test_an_order_without_its_size_is_a_verdict_of_its_own() -> None:
         assert judge(claim, {"": value}).said == said
     assert judge(claim, {"a": 1.0, "b": 3.0}).said == "holds under b"
     assert judge(claim, {"a": -1.0, "b": 1.0}).verdict == "differs"  # the first view decides
+
+
+def blind(value: float) -> Ruling:
+    return Ruling(value > 1.0, f"{value:g}", untested="all are" if value > 2.0 else "")
+
+
+@pytest.mark.parametrize(
+    ("views", "said"),
+    [
+        ({"a": 3.0}, "not tested by this"),
+        ({"a": 1.5}, "holds"),
+        ({"a": 3.0, "b": 1.5}, "not tested by this"),  # the first view decides
+        ({"a": 0.0, "b": 3.0}, "not tested by this"),
+        ({"a": 0.0, "b": 3.0, "c": 1.5}, "holds under c"),
+        ({"a": 0.0, "b": 0.5}, "differs"),
+    ],
+)
+def test_what_could_not_have_come_out_otherwise_tests_nothing(views, said) -> None:
+    finding = judge(replace(CLAIM, ours=blind), views)
+    assert finding.said == said
+    untested = {name for name, value in views.items() if value > 2.0}
+    assert {name for name, (_, text) in finding.ours.items() if "not tested: all are" in text} == (
+        untested
+    )
+    assert not any(finding.ours[name][0] for name in untested)
+
+
+def test_what_chance_decides_is_not_tested_by_this() -> None:
+    claim = replace(CLAIM, chance=lambda view, ours: "a coin" if ours(view).holds else "")
+    assert judge(claim, {"": 2.0}).said == "not tested by this"
+    assert judge(claim, {"": 0.0}).said == "differs"
+
+
+def _asks_noise(function, seen=()) -> bool:
+    """Whether a rule's code, or what it calls in its module, asks what noise does."""
+    code = function.__code__
+    names = {name for c in (code, *code.co_consts) if hasattr(c, "co_names") for name in c.co_names}
+    others = [function.__globals__.get(name) for name in names - set(seen)]
+    return bool(names & {"SAME_IPDE", "SAME_SEM"}) or any(
+        _asks_noise(other, {*seen, *names})
+        for other in others
+        if hasattr(other, "__code__") and other.__module__ == function.__module__
+    )
+
+
+def test_a_rule_that_forgives_what_noise_does_says_so() -> None:
+    claims = read_claims("simulation", *simulation.RULES)
+    asking = {claim.id for claim in claims if _asks_noise(claim.ours.func)}
+    said = {claim.id for claim in claims if re.search(r"noise(?: does)?, [0-9.]+", claim.rule)}
+    assert said == asking
+    assert {"patient-factor", "chosen-chirp", "ipde-ranking"} <= said
 
 
 def test_a_rule_in_words_says_the_numbers_that_it_is_given() -> None:

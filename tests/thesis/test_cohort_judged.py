@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from surae.model import get_model
-from surae_thesis.claims import INTEGRATOR, judge, judge_all, read_claims
+from surae_thesis.claims import INTEGRATOR, NotThereError, judge, judge_all, read_claims
 from surae_thesis.cohort import beyond, drawings, rules, subjects
 from surae_thesis.cohort.boxes import Box, snsem_figure, vaf_figure
 from surae_thesis.cohort.drawings import spectra_figure
@@ -15,6 +15,7 @@ from surae_thesis.cohort.members import COMPLETED, make_cohort
 from surae_thesis.cohort.results import Fits, Ways, clearly_lower, paired
 from surae_thesis.cohort.rules import COHORT, described, spectrum, thesis_means
 from surae_thesis.cohort.work import MODELS
+from surae_thesis.legs import STRAIN
 from surae_thesis.section import Context
 
 PASSIVE, HOLDS, FAST = COMPLETED
@@ -51,12 +52,29 @@ def spectra(monkeypatch):
     monkeypatch.setattr(drawings, "spectra_of", lambda _: several)
 
 
-def made_up(shift=None, sem=2.0, bound=True, correlation=0.9, short=0.1, lowest=False):
-    """Fits as the thesis describes them; `shift` moves VAFs by kind, model and protocol."""
+SIZES = {"neural": 80.0, "tissue": 10.0, "inertial": 1.0}
+
+
+def made_up(
+    shift=None,
+    sem=2.0,
+    bound=True,
+    correlation=0.9,
+    short=0.1,
+    lowest=False,
+    apart=0.04,
+    errors=None,
+    sizes=None,
+):
+    """Fits as the thesis describes them; `shift` moves VAFs by kind, model and protocol.
+
+    Subjects are `apart` by model 2.0, `errors` has factors of standard errors by model and
+    parameter, `sizes` those of the torque's parts.
+    """
     moved = {key: mean + (shift or {}).get(key, 0.0) for key, mean in THESIS.items()}
 
     def vaf(kind, model, protocol, subject, r):
-        own = (0.04 if model == "2.0" else 0.01) * int(subject[1:])  # subjects differ a little
+        own = (apart if model == "2.0" else 0.01) * int(subject[1:])  # subjects differ a little
         if lowest and (subject, r) == (ODD, 2):
             own += LOWEST.get((kind, model, protocol), 0.0)
         if (kind, model, protocol, subject) == ("fit", "1.0", HOLDS, NOTED):
@@ -70,9 +88,13 @@ def made_up(shift=None, sem=2.0, bound=True, correlation=0.9, short=0.1, lowest=
             for model, name in MODELS.items():
                 if model in ("1.0", "2.0") or protocol == HOLDS:
                     for r in (1, 2, 3):
-                        of_member[f"{model} {protocol} {r}"] = one(
+                        fit = one(
                             model, name, protocol, r, member.id, vaf, sem, bound, correlation, short
                         )
+                        fit["sizes"] |= sizes or {}
+                        for n, factor in (errors or {}).get(model, {}).items():
+                            fit["parameters"][n]["sem"] *= factor
+                        of_member[f"{model} {protocol} {r}"] = fit
     baselines = {
         f"{model} {protocol}": dict.fromkeys(get_model(name).free, 1.0)
         for model, name in MODELS.items()
@@ -133,12 +155,12 @@ def one(model, name, protocol, r, subject, vaf, sem, bound, correlation, short):
             }
             for target, k in targets
         ],
-        "sizes": {"neural": 80.0, "tissue": 10.0, "inertial": 1.0, "short_at_peaks": short},
+        "sizes": {**SIZES, "short_at_peaks": short},
     }
 
 
 def judged(fits):
-    findings = [judge(claim, {COHORT: fits}) for claim in CLAIMS]
+    findings = [judge(replace(claim, chance=None), {COHORT: fits}) for claim in CLAIMS]
     assert len({finding.id for finding in findings}) == len(findings)
     return {f.id: f for f in findings if not f.id.startswith("lowest-")}
 
@@ -153,7 +175,7 @@ def test_subjects_like_the_thesis_s_pass_every_rule():
 
 
 def test_a_lowest_value_is_that_of_the_thesis_or_is_not():
-    lows = [claim for claim in CLAIMS if claim.id.startswith("lowest-")]
+    lows = [replace(c, chance=None) for c in CLAIMS if c.id.startswith("lowest-")]
     odd, even = (
         {claim.id: judge(claim, {COHORT: made_up(lowest=low)}).verdict for claim in lows}
         for low in (True, False)
@@ -165,8 +187,8 @@ def test_a_lowest_value_is_that_of_the_thesis_or_is_not():
 
 
 def test_one_cohort_decides_and_the_integrator_stands_beside_it():
-    claim = next(claim for claim in CLAIMS if claim.id == "tendon-fits-worse")
-    assert claim.views == (COHORT, INTEGRATOR)
+    claim = replace(next(c for c in CLAIMS if c.id == "tendon-fits-worse"), chance=None)
+    assert claim.views == (COHORT, STRAIN, INTEGRATOR)
     better = made_up(shift={("fit", "2.0", HOLDS): 8.0})
     finding = judge(claim, {COHORT: better, INTEGRATOR: made_up()})
     assert finding.verdict == "holds with the thesis's integrator"
@@ -176,7 +198,7 @@ def test_one_cohort_decides_and_the_integrator_stands_beside_it():
 
 def test_what_each_calibration_gains_and_loses_is_listed():
     fits, moved = made_up(), made_up(shift={("fit", "1.0", PASSIVE): -9.0})
-    table = subjects._turned(Ways(fits, fits, {"noise": moved}, fits, {}))
+    table = subjects._turned(Ways(fits, fits, {"noise": moved}, fits, {}, fits))
     assert [(row[0], row[1], row[-1]) for row in table.rows] == [
         ("noise", "fit-1-0-ramp-and-hold", "gains"),
         ("noise", "passive-followed-best", "gains"),
@@ -232,6 +254,76 @@ def test_each_rule_can_say_no(changes, differ):
     said_no = {name: finding for name, finding in said.items() if finding.verdict == "differs"}
     assert said_no.keys() == differ
     assert all(finding.ours for finding in said_no.values())
+
+
+#: What turns each of the claims that the test above leaves: numbers, and the claim.
+OPPOSITES = [
+    ({"shift": {("fit", "1.0", FAST): -9.0}}, "fit-1-0-multi-sine-holds"),
+    ({"shift": {("fit", "2.0", PASSIVE): -2.0}}, "fit-2-0-ramp-and-hold"),
+    ({"shift": {("fit", "2.0", FAST): -9.0}}, "fit-2-0-multi-sine-holds"),
+    ({"shift": {("fit", "2.1", HOLDS): 5.0}}, "fit-2-1-multiple-holds"),
+    ({"shift": {("fit", "2.2", HOLDS): 5.0}}, "fit-2-2-multiple-holds"),
+    ({"shift": {("validation", "1.0", HOLDS): 9.0}}, "validation-1-0-multiple-holds"),
+    ({"shift": {("validation", "1.0", FAST): 9.0}}, "validation-1-0-multi-sine-holds"),
+    ({"shift": {("validation", "2.0", FAST): 9.0}}, "validation-2-0-multi-sine-holds"),
+    ({"shift": {("validation", "2.1", HOLDS): 9.0}}, "validation-2-1-multiple-holds"),
+    ({"shift": {("validation", "2.2", HOLDS): 9.0}}, "validation-2-2-multiple-holds"),
+    ({"shift": {("onto", "1.0", PASSIVE): -9.0}}, "onto-1-0-ramp-and-hold"),
+    ({"shift": {("fit", "2.0", FAST): 5.0}}, "tendon-same-on-multi-sine"),
+    ({"shift": {("fit", "2.2", HOLDS): 6.0}}, "strain-over-toe"),
+    ({"shift": {("fit", "2.1", HOLDS): -5.0}}, "strain-equals-muscle"),
+    ({"shift": {("validation", "1.0", HOLDS): 9.0}}, "prediction-below-fit"),
+    ({"shift": {("validation", "1.0", FAST): 9.0}}, "multi-sine-predicted-worse"),
+    ({"shift": {("fit", "1.0", FAST): 5.0}}, "multi-sine-followed-worse"),
+    ({"apart": 0.005}, "passive-predictions-spread"),
+    ({"errors": {"1.0": dict.fromkeys(rules.WEIGHTS, 0.1)}}, "snsem-muscle-weights-high"),
+    ({"errors": {"1.0": {"f0": 20.0, "beta": 20.0}}}, "snsem-muscle-filter-low"),
+    (
+        {"errors": {"2.0": dict.fromkeys(get_model("muscle-tendon").free, 3.0)}},
+        "snsem-tendon-below-muscle",
+    ),
+    ({"errors": {"2.0": {"l0_tri": 0.1}}}, "snsem-tendon-length-high"),
+    (
+        {"errors": {"2.1": dict.fromkeys(get_model("muscle-tendon").free, 9.0)}},
+        "snsem-strain-similar",
+    ),
+    (
+        {"errors": {"2.2": dict.fromkeys(get_model("muscle-tendon").free, 9.0)}},
+        "snsem-toe-similar",
+    ),
+    ({"errors": {"2.2": {"m": 0.1}}}, "snsem-mass-highest-2-2"),
+    ({"sizes": {"neural": 40.0}}, "active-up-to-80"),
+    ({"sizes": {"tissue": 30.0}}, "passive-up-to-10"),
+    ({"sizes": {"inertial": 20.0}}, "inertia-small"),
+]
+
+
+@pytest.mark.parametrize(("changes", "claim"), OPPOSITES)
+def test_a_planted_opposite_turns_a_rule(changes, claim):
+    (rule,) = [replace(each, chance=None) for each in CLAIMS if each.id == claim]
+    assert judge(rule, {COHORT: made_up()}).verdict in ("holds", "calibrated")
+    assert judge(rule, {COHORT: made_up(**changes)}).verdict == "differs"
+
+
+def test_every_rule_has_a_planted_opposite():
+    (first,) = [mark for mark in test_each_rule_can_say_no.pytestmark if mark.name == "parametrize"]
+    turned = set().union(*(differ for _, differ in first.args[1])) | {name for _, name in OPPOSITES}
+    turned |= {claim.id for claim in CLAIMS if claim.id.startswith("lowest-") or claim.calibrated}
+    turned |= {"spectra-of-repetitions-differ", "outliers-are-misaligned-or-twisted"}
+    assert turned == {claim.id for claim in CLAIMS}
+
+
+def test_what_other_subjects_would_turn_is_decided_by_chance():
+    change = next(c for c in CLAIMS if c.id == "muscle-predicts-passive-better")
+    clear = made_up()
+    assert judge(change, {COHORT: clear}).verdict == "holds"
+    # Half of the thesis's size to within a tenth of a point, and subjects that differ by more.
+    edge = made_up(shift={("onto", "2.0", PASSIVE): 0.65}, apart=0.3)
+    finding = judge(change, {COHORT: edge})
+    assert finding.verdict == "not tested by this"
+    assert "of cohorts drawn again from these subjects say otherwise" in finding.ours[COHORT][1]
+    assert rules.by_chance(edge, change.ours) == rules.by_chance(edge, change.ours)
+    assert not rules.by_chance(edge, rules.spectra)  # of one subject's repetitions
 
 
 def test_outliers_are_of_noted_subjects_or_the_claim_differs():
@@ -309,7 +401,7 @@ def test_every_figure_and_table_of_made_up_fits_is_there():
     assert [drawing.name for drawing in drawings.snsem_drawings(fits)] == [
         f"figure-{n}" for n in (21, 22, 26, 27, 33, 34)
     ]
-    ways = Ways(fits, fits, {}, fits, {("S01", 1): 97.0})
+    ways = Ways(fits, fits, {}, fits, {("S01", 1): 97.0}, fits)
     assert drawings.integrator_drawing(ways).name == "figure-23-integrator"
     assert not rules.example(fits.members)[1].remarks
 
@@ -340,7 +432,27 @@ def test_several_tendon_parameters_fit_better_at_the_risk_of_local_minima(of_bes
     said = {f.id: f.verdict for f in judge_all("beyond", {"": numbers}, beyond.__name__)}
     assert said["several-tendon-parameters"] == verdict
     assert said["low-sem-is-not-right"] == "holds"
-    assert said["below-ideal-one-is-wrong"] == "holds"
+    assert said["below-ideal-one-is-wrong"] == "not tested by this"
+
+
+def test_limits_of_vaf_and_error_are_tested_where_fits_lie_on_both_sides():
+    numbers = beyond.Numbers(made_up(), made_up_ways(vaf=99.0, first=False))
+    everywhere = made_up(shift={("fit", m, p): 9.9 for m in ("1.0", "2.0") for p in (HOLDS, FAST)})
+    some = made_up(shift={("fit", m, HOLDS): 9.9 for m in ("1.0", "2.0")})
+    assert not beyond.below_ideal(replace(numbers, fits=some)).untested
+    assert beyond.below_ideal(numbers).untested == "no fit is above it"
+    with pytest.raises(NotThereError):
+        beyond.below_ideal(replace(numbers, fits=everywhere))
+    for fits in some.single.values():
+        for fit in fits.values():
+            for p in fit["parameters"].values():
+                p["value"] = 1.0
+    assert not beyond.below_ideal(replace(numbers, fits=some)).holds
+    sure = {n: way(n, 0.01) for n in numbers.ways}
+    assert not beyond.low_sem(replace(numbers, ways=sure)).holds
+    apart = {**numbers.ways, beyond.RIGID: way(beyond.RIGID, 0.5)}
+    assert beyond.equally_good(numbers).holds
+    assert not beyond.equally_good(replace(numbers, ways=apart)).holds
 
 
 def test_tables_and_figures_beyond():

@@ -25,6 +25,10 @@ from surae.api.fitting import fit_inputs as fit_inputs
 from surae.api.fitting import inputs_for as inputs_for
 from surae.api.fitting import load as load
 from surae.api.given import AnyRecording as AnyRecording
+from surae.api.into_model import ExportedIntoModel as ExportedIntoModel
+from surae.api.into_model import files_beside as files_beside
+from surae.api.judging import SecondOpinion as SecondOpinion
+from surae.api.judging import judge as judge
 from surae.api.perturbed import impedance as impedance
 from surae.api.perturbed import perturbation_page as perturbation_page
 from surae.api.perturbed import stretches as stretches
@@ -38,7 +42,7 @@ from surae.api.relaxing import Relaxed as Relaxed
 from surae.api.relaxing import relaxed as relaxed
 from surae.api.session_result import SessionResult as SessionResult
 from surae.api.session_result import load_session as load_session
-from surae.api.session_run import Step as Step
+from surae.api.session_run.progress import Step as Step
 from surae.api.sessions import Session as Session
 from surae.api.sessions import session as session
 from surae.api.simulation import simulate as simulate
@@ -50,6 +54,7 @@ from surae.base.formatting import estimate as estimate
 from surae.base.formatting import percentage as percentage
 from surae.base.formatting import significant as significant
 from surae.base.formatting import standard_error as standard_error
+from surae.causal.predictor import Predictor as Predictor
 from surae.cohorts.cohort import cohort as cohort
 from surae.cohorts.settings import CohortSettings as CohortSettings
 from surae.effects import check_estimator as check_estimator
@@ -57,6 +62,7 @@ from surae.effects import check_knowledge as check_knowledge
 from surae.effects import check_switches as check_switches
 from surae.effects import differing as differing
 from surae.effects import without_priors as without_priors
+from surae.exchange.bids import write_bids as write_bids
 from surae.inference import Adequacy as Adequacy
 from surae.inference import Prediction as Prediction
 from surae.inference import make_problem as make_problem
@@ -69,7 +75,7 @@ from surae.inference.saved.parameters_json import read_parameters as read_parame
 from surae.measures import Measure as Measure
 from surae.measures import Measures as Measures
 from surae.measures import measures_of_values as measures_of_values
-from surae.measures.change import Change as Change
+from surae.measures.change.result import Change as Change
 from surae.measures.norms import placed as placed
 from surae.measures.norms import read_norms as read_norms
 from surae.model import MODELS as MODELS
@@ -96,6 +102,7 @@ from surae.planning.expectation import Expectation as Expectation
 from surae.planning.plan import Plan as Plan
 from surae.planning.ready import ready_protocols as ready_protocols
 from surae.planning.torque import held_to_torque as held_to_torque
+from surae.planning.torque import load_of as load_of
 from surae.planning.torque import requested_limits as requested_limits
 from surae.processes.runner import engine_of as engine_of
 from surae.protocol import DEVICES as DEVICES
@@ -134,6 +141,7 @@ from surae.recording import mapping_text as mapping_text
 from surae.recording import read as read
 from surae.recording import write_csv as write_csv
 from surae.recording import write_hdf5 as write_hdf5
+from surae.recording import write_parquet as write_parquet
 from surae.recording.described import toml_text as toml_text
 from surae.recording.formats import data_files as data_files
 from surae.recording.formats import open_table as open_table
@@ -142,6 +150,7 @@ from surae.recording.inspected_file import arranged as arranged
 from surae.recording.inspected_trials import InspectedTrials as InspectedTrials
 from surae.recording.inspected_trials import inspect_trials as inspect_trials
 from surae.recording.inspected_trials import trials_text as trials_text
+from surae.recording.inspection import channels_by_names as channels_by_names
 from surae.recording.programs.xdf import xdf_end as xdf_end
 from surae.recording.reading import data_files_below as data_files_below
 from surae.recording.reading import is_mapping as is_mapping
@@ -150,6 +159,7 @@ from surae.recording.reading import mapped_recording as mapped_recording
 from surae.recording.reading import open_mapping as open_mapping
 from surae.recording.reading import read_contraction as read_contraction
 from surae.recording.reading import read_trials as read_trials
+from surae.recording.recording import weight_of as weight_of
 from surae.recording.source import open_source as open_source
 from surae.recording.table import load_each as load_each
 from surae.recording.table import some as some
@@ -158,6 +168,8 @@ from surae.report import check_report as check_report
 from surae.report import has_typst as has_typst
 from surae.report import part_of as part_of
 from surae.report import style as style
+from surae.report.beside import beside as beside
+from surae.report.beside import of_movement as of_movement
 from surae.report.cohort import cohort_report as cohort_report
 from surae.report.figures import new_figure as new_figure
 from surae.report.figures import png as png

@@ -17,7 +17,8 @@ from surae.base.requests import ChangeSettings
 from surae.base.setting import renamed, takes
 from surae.inference.judging.validation import Prediction, predict_others
 from surae.inference.relaxed.curve import RelaxedCurve
-from surae.measures.change import Change, compare_sessions
+from surae.measures.change.compare import compare_sessions
+from surae.measures.change.result import Change
 from surae.measures.compared import common_end
 from surae.measures.course import Series, rest_series, strength_series
 from surae.measures.relaxed_change import remounting, rest_change
@@ -231,7 +232,7 @@ def fit_of(given: Fit | PathLike) -> Fit:
 
 @renamed(fitted="fit")
 def validate(
-    fit: Fit,
+    fit: Fit | PathLike,
     recordings: AnyRecording | Sequence[AnyRecording],
     *,
     prepared: bool | None = None,
@@ -241,8 +242,8 @@ def validate(
 
     Parameters
     ----------
-    fit : Fit
-        Where the parameters come from.
+    fit : Fit or path
+        Where the parameters come from; of a session's folder it is the joint fit.
     recordings : Recording, ModelInputs or path, or sequence of them
         With their measured torque.
     prepared : bool, optional
@@ -253,13 +254,15 @@ def validate(
     Returns
     -------
     tuple of Prediction
-        One for each recording: VAF, RMSE, bias, the predicted torque, and in `adequacy` whether
-        it is as good as the fit promises, with reasons.
+        One for each recording: VAF, RMSE, bias, the predicted torque, in `adequacy` whether it is
+        as good as the fit promises, with reasons, and in `baselines` what is predicted of it
+        without a model.
 
     Examples
     --------
     >>> surae.validate(surae.load("fit.json"), ["other.csv"])[0].adequacy.grade
     """
-    inputs = as_in_fit(fit.result.problem, several(recordings), prepared)
+    known = fit_of(fit)
+    inputs = as_in_fit(known.result.problem, several(recordings), prepared)
     counted = inputs if weights is None else weighted(inputs, weights)
-    return predict_others(fit.result, counted, fit.assessment.uncertainty)
+    return predict_others(known.result, counted, known.assessment.uncertainty)

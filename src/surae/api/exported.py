@@ -1,9 +1,11 @@
 """A fit as a model file of another simulator, with how far it may be believed."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from surae.api import Fit, fit_of
+from surae.api.into_model import ExportedIntoModel, export_into
 from surae.base.errors import InputError
 from surae.base.files import PathLike, write_atomic
 from surae.exchange.joint import GAINS, JointModel, joint_of
@@ -64,7 +66,15 @@ class ExportedModel:
         write_atomic(path, self.text)
 
 
-def export(fit: Fit | PathLike, *, to: str) -> ExportedModel:
+def export(
+    fit: Fit | PathLike,
+    *,
+    to: str,
+    into: PathLike | None = None,
+    side: str = "right",
+    pose: Mapping[str, float] | None = None,
+    strength: str = "model",
+) -> "ExportedModel | ExportedIntoModel":
     """The leg of a fit as a model of OpenSim or MuJoCo, with how far its torque is from ours.
 
     Parameters
@@ -73,10 +83,18 @@ def export(fit: Fit | PathLike, *, to: str) -> ExportedModel:
         A fit, its file, or the folder of a session, whose joint fit is taken.
     to : {"osim", "mjcf"}
         Whose model file: OpenSim's (4.5 or later) or MuJoCo's.
+    into : path, optional
+        An OpenSim model of one's own, in which the leg's muscles are written; it stays as it is.
+    side : {"right", "left"}
+        Which leg of that model it is.
+    pose : mapping of str to float, optional
+        Coordinates of that model at which the leg was measured [deg], such as the knee's.
+    strength : {"model", "measured"}
+        Whose largest forces its muscles have.
 
     Returns
     -------
-    ExportedModel
+    ExportedModel or ExportedIntoModel
         The file's text, and the difference of both torques; `save` writes it.
 
     Raises
@@ -90,6 +108,12 @@ def export(fit: Fit | PathLike, *, to: str) -> ExportedModel:
     """
     if to not in FORMATS:
         raise InputError(f"to is {to!r}; use one of: {', '.join(FORMATS)}")
+    if into is not None:
+        if to != "osim":
+            raise InputError(f"into is a model of OpenSim, and to is {to!r}; give to='osim'")
+        return export_into(fit, into, side=side, pose=pose, strength=strength)
+    if pose or side != "right" or strength != "model":
+        raise InputError("side, pose and strength are of the model that into names; give it too")
     given = fit_of(fit)
     result = given.result
     problem = given.result.problem

@@ -2,58 +2,37 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from surae.api.estimates import Estimates
+from surae.api.fitted_frames import FitFrames
+from surae.api.fitted_pages import FitPages
 from surae.api.given import AnyRecording
 from surae.api.plots import Plots, numbered
 from surae.api.recordings import as_in_fit
 from surae.api.simulation import parts_of, tendon_of
-from surae.base.errors import UnknownNameError
 from surae.base.files import PathLike
-from surae.base.formatting import nearest
-from surae.base.frozen import FrozenDict
 from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
-from surae.inference import AssessedFit
 from surae.inference.judging.adequacy import Adequacy
 from surae.inference.judging.assessment import assess
 from surae.inference.judging.criteria import criteria_of
 from surae.inference.judging.parameter import ParameterEstimate
 from surae.inference.judging.validation import Prediction, predict_others
-from surae.inference.posterior.linearised import measured
 from surae.inference.saved.fit_json import save_fit
 from surae.inference.uncertainty.covariance import Covariance
 from surae.model import TendonState, TorqueParts
-from surae.recording.frames import library
 from surae.settings import FitSettings
 
 if TYPE_CHECKING:
+    from surae.causal.predictor import Predictor
     from surae.measures import Measures
-    from surae.report.output import Report
-
-
-class Estimates(Tabular, FrozenDict[str, ParameterEstimate]):
-    """Parameters of a fit by name, which show themselves as a table."""
-
-    def __getitem__(self, name: str) -> ParameterEstimate:
-        if name not in self._entries:
-            raise UnknownNameError(
-                f"this fit has no parameter {name!r}{nearest(name, self._entries)}; it has: "
-                f"{', '.join(self._entries)}"
-            )
-        return self._entries[name]
-
-    def as_table(self) -> TextTable:
-        """A row for each: value, interval, unit, verdict."""
-        from surae.report.summary import estimates_table
-
-        return estimates_table(self.values())
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class Fit(Tabular, AssessedFit):
+class Fit(Tabular, FitFrames, FitPages):
     """A fit and what it is worth."""
 
     def as_table(self) -> TextTable:
@@ -93,100 +72,6 @@ class Fit(Tabular, AssessedFit):
     def plot(self) -> Plots:
         """Plots that return Matplotlib axes: ``fit.plot()``, ``fit.plot.torque()``, …."""
         return Plots(self.result, self.assessment)
-
-    def to_dataframe(self) -> Any:
-        """The parameters as a pandas DataFrame, a row each by name.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Value, unit, ends of the 95 % interval and of that of another trial, standard error,
-            verdict, whether it is free and at a bound, meaning; NaN where there is no number.
-        """
-        from surae.recording.frames import frame
-
-        rows = []
-        for p in self.parameters.values():
-            (low, high) = p.ci95 or (None, None)
-            again = p.ci95_repeat or (None, None)
-            rows.append(
-                {
-                    "parameter": p.name,
-                    "value": p.value,
-                    "unit": p.unit,
-                    "low": low,
-                    "high": high,
-                    "repeat_low": again[0],
-                    "repeat_high": again[1],
-                    "sem": p.trusted_sem,
-                    "verdict": str(p.verdict),
-                    "free": p.free,
-                    "at_bound": p.at_bound,
-                    "meaning": p.meaning,
-                }
-            )
-        return frame(rows, {}).set_index("parameter")
-
-    def to_inference_data(
-        self, draws: int = 1000, *, seed: int = 0, log_likelihood: bool = False
-    ) -> Any:
-        """Draws for ArviZ of what the fit leaves possible: estimates, intervals and correlations.
-
-        Of a valley that bends they know nothing: `surae.profile` follows it.
-
-        Parameters
-        ----------
-        draws : int
-            How many.
-        seed : int
-            Of the draws.
-        log_likelihood : bool
-            Whether each sample's is computed at each draw, its noise taken for white, which
-            simulates every one of them.
-
-        Returns
-        -------
-        xarray.DataTree or arviz.InferenceData
-            As the installed ArviZ has it: groups ``posterior``, ``observed_data`` and, where there
-            are priors, ``prior``. Parameters without an interval are left out.
-
-        Raises
-        ------
-        InputError
-            arviz-stats or xarray is not installed, or no parameter has an interval.
-        """
-        from surae.sampling.arviz_data import of_fit
-
-        return of_fit(self, draws, seed, log_likelihood=log_likelihood)
-
-    def to_xarray(self, recording: int = 0) -> Any:
-        """Angle, torque and modelled torque of the fit's first, second, … recording over time.
-
-        Parameters
-        ----------
-        recording : int
-            Its number, from 0.
-
-        Returns
-        -------
-        xarray.Dataset
-            By time [s], units as attributes.
-
-        Raises
-        ------
-        InputError
-            The package xarray is not installed, or the fit has no such recording.
-        """
-        xarray = library("xarray", "a Dataset")
-        own = numbered(self.result.problem.inputs, recording)
-        torque = measured(own)
-        columns = {
-            "angle": (own.angle, "rad"),
-            "torque": (torque, "Nm"),
-            "modelled": (torque - self.result.residuals[recording], "Nm"),
-        }
-        variables = {name: ("time", values, {"units": u}) for name, (values, u) in columns.items()}
-        return xarray.Dataset(variables, {"time": own.time}, {"name": own.name})
 
     def fit_report(self, min_correlation: float = 0.1) -> str:
         """The fit as lmfit's users read one: statistics, variables, correlations.
@@ -279,16 +164,6 @@ class Fit(Tabular, AssessedFit):
         return self.assessment.vaf_weighted
 
     @property
-    def correlation(self) -> Any:
-        """Correlation of the estimates as a pandas DataFrame: ``.loc["k_tri", "x0_tri"]``.
-
-        Without pandas, `covariance` has names and matrix.
-        """
-        known = self.covariance
-        table = library("pandas", "a table of correlations")
-        return table.DataFrame(known.correlation, index=known.names, columns=known.names)
-
-    @property
     def covariance(self) -> Covariance:
         """Names and covariance matrix of the estimates that have one, equation (33)."""
         return self.assessment.covariance
@@ -367,25 +242,46 @@ class Fit(Tabular, AssessedFit):
         inputs = as_in_fit(self.result.problem, [recording], prepared)
         return predict_others(self.result, inputs, self.assessment.uncertainty)[0]
 
-    @property
-    def fascicles(self) -> Any:
-        """Filmed fascicles over time, measured and modelled [m], as a pandas DataFrame."""
-        from surae.inference.judging.fascicles import fascicles_of
-        from surae.recording.frames import frame
+    def predictor(
+        self,
+        rate_hz: float = 1000.0,
+        *,
+        emg: Literal["raw", "envelope"] | None = None,
+        even_if_doubtful: bool = False,
+    ) -> "Predictor":
+        """The torque while it is measured: angle and EMG of each sample in, torque out.
 
-        return frame(
-            [
-                {
-                    "recording": f.recording,
-                    "channel": f.channel,
-                    "time": t,
-                    "measured": y,
-                    "modelled": x,
-                }
-                for f in fascicles_of(self.result)
-                for t, y, x in zip(f.time, f.measured, f.modelled, strict=True)
-            ],
-            {"time": "s", "measured": "m", "modelled": "m"},
+        Its filters do not look ahead. Of the same signals, as its `run` gives them, `predict` has
+        the same torque.
+
+        Parameters
+        ----------
+        rate_hz : float
+            Samples in a second [Hz].
+        emg : {"raw", "envelope"}, optional
+            How EMG will come; by default as it came to the fit.
+        even_if_doubtful : bool
+            Whether a fit that is not adequate has one too.
+
+        Returns
+        -------
+        Predictor
+            ``p.step(angle_rad, emg_V)`` [Nm], ``p.sd`` [Nm], ``p.reset()``; `to_c` writes it in C.
+
+        Raises
+        ------
+        InputError
+            The fit is not adequate, or its model, geometry or integrator has no predictor.
+
+        Examples
+        --------
+        >>> p = surae.load("fit.json").predictor(1000)
+        >>> torque = p.step(0.1, [0.0, 1e-4, 1e-4, 1e-4])
+        """
+        from surae.causal.predictor import predictor_of  # compiles
+
+        return predictor_of(
+            self.result, self.assessment, rate_hz, emg=emg, even_if_doubtful=even_if_doubtful
         )
 
     def measures(self, angles: Sequence[float] = (-10.0, 0.0, 10.0)) -> "Measures":
@@ -424,52 +320,3 @@ class Fit(Tabular, AssessedFit):
             The file cannot be written.
         """
         save_fit(path, self)
-
-    def figure(self, path: PathLike, *, width: float = 170.0) -> None:
-        """Draw the fit for a paper: lines with embedded fonts as ``.svg`` or ``.pdf``, or a PNG.
-
-        Of one recording it shows the EMG, the angle, the torque and its parts, of movement that
-        repeats itself over the cycle too; of several their torque.
-
-        Parameters
-        ----------
-        path : path
-            Where to.
-        width : float
-            Width of the figure [mm].
-
-        Raises
-        ------
-        InputError
-            The file cannot be written.
-        """
-        from surae.report.figures import write_figure
-        from surae.report.figures.torque import fit_figure
-
-        notes = [f"R² {recording.r2:.1f} %" for recording in self.assessment.recordings]
-        write_figure(path, fit_figure(self.result, notes, width=width / 25.4))
-
-    def report(self, path: PathLike, *, validation: Sequence[Prediction] = ()) -> None:
-        """Write the report: one self-contained HTML file, or a PDF where it ends in ``.pdf``.
-
-        Parameters
-        ----------
-        path : path
-            Where to.
-        validation : sequence of Prediction, optional
-            Predictions of other recordings to show, as `validate` makes them.
-        """
-        self._report(validation).write(path)
-
-    def blocks(self) -> dict[str, Any]:
-        """The report as plain data: its blocks, its images as data URLs, and its signals."""
-        return self._report().plain()
-
-    def _report(self, predictions: Sequence[Prediction] = ()) -> "Report":
-        from datetime import datetime
-
-        from surae.report.fit import fit_report  # matplotlib, only when one is made
-
-        now = datetime.now().astimezone()
-        versions = self.result.versions
-        return fit_report(self, predictions, versions=versions, created=now)

@@ -1,7 +1,7 @@
 """Fits: made from recordings, read from a file."""
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Unpack
 
@@ -32,6 +32,9 @@ if TYPE_CHECKING:
 
 #: Has a function's ``**keywords`` stand for all settings of a fit.
 asks_as_fit = takes(*FIT_RECORDS, defaults=False)
+
+#: What is said while a fit is judged, once its search has ended.
+JUDGING = "judging what it is worth"
 
 
 @asks_as_fit
@@ -100,7 +103,9 @@ def fit(
         line_of_progress("fitting") as tell,
         on_compilation(lambda: tell("compiling the model, once for this installation")),
     ):
-        return fit_inputs(inputs, settings, tuple(quality), tell, lambda *_: tell())
+        return fit_inputs(
+            inputs, settings, tuple(quality), tell, lambda *_: tell(), judging=lambda: tell(JUDGING)
+        )
 
 
 def without(settings: FitSettings, exclude: Sequence[tuple[float, float]]) -> FitSettings:
@@ -147,11 +152,18 @@ def fit_inputs(
     quality: Sequence[Quality] = (),
     progress: SearchProgress | None = None,
     follow: Follow | None = None,
+    *,
+    judging: Callable[[], object] | None = None,
 ) -> Fit:
-    """The fit of recordings that `inputs_for` has prepared; all else is as of `fit`."""
+    """The fit of recordings that `inputs_for` has prepared; all else is as of `fit`.
+
+    `judging` is called once the search has ended and the fit is judged, which takes its time too.
+    """
     quality = with_maximum(quality, inputs)
     problem = make_problem(inputs, settings)
     result = solve(problem, progress=progress, follow=follow)
+    if judging is not None:
+        judging()
     return Fit(result, assess(result, alternatives=True, quality=quality), tuple(quality))
 
 

@@ -22,7 +22,7 @@ from surae.inference.relaxed.curve import RelaxedCurve
 from surae.measures.at_rest import doubted_at_rest, rest_said
 from surae.measures.measure import Measure
 from surae.measures.relaxed_change import with_detectable_changes
-from surae.measures.rest import measures_of_rest
+from surae.measures.rest.judged import measures_of_rest
 from surae.model.knowledge import Knowledge
 from surae.recording import Recording, read
 from surae.settings import FitSettings

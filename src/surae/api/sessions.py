@@ -9,7 +9,8 @@ from surae.api.fitted import Fit
 from surae.api.fitting import asks_as_fit, fit_inputs
 from surae.api.recordings import checks_for, electrodes_of_leg
 from surae.api.session_result import SessionResult
-from surae.api.session_run import StepProgress, run
+from surae.api.session_run.progress import StepProgress
+from surae.api.session_run.run import run
 from surae.base.errors import InputError
 from surae.base.files import PathLike, paths_of, shown
 from surae.base.progress import SearchProgress, line_of_progress
@@ -107,8 +108,8 @@ class Session(TrialSet):
         model : str or FitSettings
             As of `surae.fit`.
         progress : callable, optional
-            Called before every step and after it; see `surae.api.session_run.Step`. Without it a
-            line of a terminal or notebook says how far it is.
+            Called before every step and after it; see `surae.api.session_run.progress.Step`.
+            Without it a line of a terminal or notebook says how far it is.
         workers : int or None
             Above 1 the fit of all together is made in a process of its own, beside the others; None
             has as many as there are processors.

@@ -14,7 +14,7 @@ from surae.base.normal import NORMAL
 from surae.inference import AssessedFit
 from surae.inference.relaxed.curve import RelaxedCurve
 from surae.measures.at_rest import relaxed_of
-from surae.measures.change import compare_sessions
+from surae.measures.change.compare import compare_sessions
 from surae.measures.compared import common_end
 from surae.measures.relaxed_change import rest_change
 from surae.measures.table import LEADING

@@ -14,6 +14,8 @@ NO_NUMBER = "—"
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 #: Digits beyond which a value is not written, however small its standard error.
 _MOST = 9
+#: Part of the wider side by which both sides of an interval may differ to be written as one.
+_EVEN = 0.1
 
 
 class EstimateText(NamedTuple):
@@ -57,6 +59,23 @@ def in_a_line(name: str, value: float, ci95: tuple[float, float] | None, unit: s
     text = of_interval(value, ci95)
     interval = "" if ci95 is None else f"({text.interval})"
     return " ".join(filter(None, (name, text.value, unit.strip("-"), interval)))
+
+
+def with_half(value: float, ci95: tuple[float, float]) -> tuple[str, str]:
+    """A value and what its 95 % interval is on either side, to the same digit.
+
+    ``("0.21", "± 0.03")``, or ``("0.19", "−0.13 +0.10")`` where the sides differ.
+    """
+    below, above = value - ci95[0], ci95[1] - value
+    if not (math.isfinite(below) and math.isfinite(above)) or min(below, above) <= 0.0:
+        return estimate(value, None, None).value, f"{ends(value, ci95)[0]} … {ends(value, ci95)[1]}"
+    digits = max(1 - _order(float(f"{min(below, above):.1e}")), 0)
+    if min(below, above) >= 10.0 or max(abs(value), above, below) >= 1e5:
+        digits = 0
+    text = _fixed(value, digits)
+    if abs(above - below) <= _EVEN * max(above, below):
+        return text, f"± {_fixed(0.5 * (above + below), digits)}"
+    return text, f"−{_fixed(below, digits)} +{_fixed(above, digits)}"
 
 
 def ends(value: float, ci95: tuple[float, float]) -> tuple[str, str]:

@@ -80,5 +80,7 @@ TELLING = {
 }
 #: What a subject can do, where a protocol is designed.
 EFFORTS = ("levels", "none")
+#: The source of the LSL stream that surae itself sends, of what a trial asks for: no measurement.
+TARGET_SOURCE = "surae-live-target"
 #: Rise of a chirp's frequency where none is given: that of the thesis's factor 0.5, rounded [Hz/s].
 CHIRP_RATE = 0.159

@@ -56,7 +56,13 @@ _SCALED: dict[str, tuple[str, float]] = {
     word: (unit, float(scale)) for word, (unit, scale) in _KNOWN_HERE["scaled"].items()
 }
 #: Kind of signal by the first word of roles that have a second.
-_KINDS = {"emg": "emg", "fascicle": "length", "pennation": "angle", "second": "angle"}
+_KINDS = {
+    "emg": "emg",
+    "fascicle": "length",
+    "pennation": "angle",
+    "second": "angle",
+    "commanded": "angle",
+}
 #: What may stand between the parts of a unit, and what makes them others.
 _JOINED = re.compile(r"[\s.·⋅*×_-]")
 _BETWEEN = re.compile(r"\s*[\s.·⋅*×_-]\s*")
@@ -185,3 +191,25 @@ def to_si(role: str, unit: str, where: str) -> float:
         allowed = ", ".join(known)
         raise InputError(f"{where}: unit {unit!r} is not known for {role}; use one of: {allowed}")
     return known[unit]
+
+
+#: What a unit of files is on pages, and the factor to it: of one thing one unit, for readers.
+_ON_PAGES = {
+    "deg": ("°", 1.0),
+    "rad": ("°", 180.0 / math.pi),
+    "1/rad": ("1/°", math.pi / 180.0),
+    "Nm/deg": ("Nm/°", 1.0),
+    "Nm/rad": ("Nm/°", math.pi / 180.0),
+    "Nm·s/deg": ("Nm·s/°", 1.0),
+    "Nm·s/rad": ("Nm·s/°", math.pi / 180.0),
+    "rad/s": ("°/s", 180.0 / math.pi),
+    "deg/s": ("°/s", 1.0),
+    "V": ("mV", 1e3),
+    "Nm/V": ("Nm/mV", 1e-3),
+    "-": ("", 1.0),
+}
+
+
+def on_page(unit: str) -> tuple[str, float]:
+    """The unit in which pages show what files have in `unit`, and the factor to it."""
+    return _ON_PAGES.get(unit, (unit, 1.0))

@@ -41,6 +41,7 @@ COMMANDS = {
     "impedance": ("surae.cli.impedance", "Tell tissue from reflex by small perturbations."),
     "stretches": ("surae.cli.stretches", "Take slow and fast stretches apart: tissue and nerve."),
     "export": ("surae.cli.export", "Write the leg as a model of OpenSim or MuJoCo."),
+    "judge": ("surae.cli.judge", "Give a second opinion on other programs’ muscle parameters."),
     "change": ("surae.cli.change", "Compare a leg between two sessions."),
     "cohort": ("surae.cli.cohort", "Compare groups of legs, and every leg with its group."),
     "profile": ("surae.cli.profile", "Compute profile likelihoods and their intervals."),

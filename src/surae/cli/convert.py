@@ -14,7 +14,9 @@ from surae.cli.paths import check_outputs
 from surae.cli.progress import work
 from surae.cli.screen import show_line
 
-_SUFFIXES = (".h5", ".hdf5", ".csv")
+_SUFFIXES = (".h5", ".hdf5", ".csv", ".parquet")
+#: Those that keep everything.
+_WHOLE = (".h5", ".hdf5")
 
 
 @click.command("convert")
@@ -33,12 +35,13 @@ def command(
 ) -> None:
     """Write a recording in another format, in SI units with our signs.
 
-    OUT ends in .h5, which keeps everything, or in .csv, which has one time axis.
+    OUT ends in .h5, which keeps everything, or in .csv or .parquet, which have one time axis.
     """
     suffix = Path(output).suffix.lower()
     if suffix not in _SUFFIXES:
         raise InputError(
-            f"{shown(output)}: {suffix or 'no ending'} is not written; end it in .h5 or .csv"
+            f"{shown(output)}: {suffix or 'no ending'} is not written; end it in .h5, "
+            ".csv or .parquet"
         )
     check_outputs({"OUT": output}, [recording])
 
@@ -51,14 +54,16 @@ def command(
             measured = _prepared(measured)
         # Films that have not a frame at every sample of the first channel.
         time = next(iter(measured.channels.values())).time.tolist()
-        films = measured.films.items() if suffix == ".csv" else ()
-        left_out = [role for role, film in films if film.time.tolist() != time]
+        films = {} if suffix in _WHOLE else measured.films
+        left_out = [role for role, film in films.items() if film.time.tolist() != time]
         if left_out:
             kept = {role: c for role, c in measured.channels.items() if role not in left_out}
             measured = replace(measured, channels=kept)
         progress.describe(f"writing {output}")
-        if suffix in (".h5", ".hdf5"):
+        if suffix in _WHOLE:
             api.write_hdf5(output, measured)
+        elif suffix == ".parquet":
+            api.write_parquet(output, measured)
         else:
             api.shared_time(measured, f"cannot write {shown(output)}")
             name = " ".join(measured.name.split())
@@ -70,7 +75,7 @@ def command(
     show_line(f"converted: {shown(output)}{again}")
     lost = [name for name in ("fixed", "prepare", "side", "device") if getattr(measured, name)]
     lost += left_out
-    if lost and suffix not in (".h5", ".hdf5"):
+    if lost and suffix not in _WHOLE:
         show_line(f"not kept in this format: {', '.join(lost)}; .h5 keeps all")
 
 

@@ -82,7 +82,9 @@ def command(
             click.echo(f"surae: not all of a recording is fitted, but {windows}", err=True)
 
         with compilation_notice():
-            fit = api.fit_inputs(inputs, settings, quality, progress=progress.starts)
+            fit = api.fit_inputs(
+                inputs, settings, quality, progress=progress.starts, judging=progress.judging
+            )
     show_fitted(fit, output, report, figure, width)
     judge_end(fit, output)
 

@@ -46,6 +46,12 @@ class Work:
         del best
         self.describe(f"fitting: start {min(done + 1, total)} of {total}", done, total)
 
+    def judging(self) -> None:
+        """Say that the search is over and the fit is judged: how long that takes nobody knows."""
+        if self._bar is not None and self._task is not None:
+            self._bar.reset(self._task, total=None)
+        self.describe("judging what the fit is worth")
+
     def parts(self, what: str, done: int, total: int) -> None:
         """Say how many parts of something named are there, and how fast they come.
 

@@ -59,23 +59,16 @@ def show_predictions(predictions: "Sequence[api.Prediction]", paths: Sequence[st
 
 
 def _show_promise(name: str, p: "api.Prediction") -> None:
-    """How wide a predicted torque's interval is, what it covers, and what others predict."""
+    """How wide a predicted torque's interval is, what it covers, and what knows no model."""
     if p.doubt is not None and p.covers is not None:
         half = api.significant(float(p.doubt.half_width.mean()), 2)
         show_line(
             f"{name}: 95 % interval of the torque ± {half} Nm on average; it holds "
             f"{api.percentage(p.covers)} % of the samples"
         )
-    without = [
-        f"{what} {api.percentage(share)} %"
-        for what, share in (
-            ("the mean of the fit’s recordings", p.baselines.template),
-            ("a regression on angle, speed and EMG", p.baselines.ridge),
-        )
-        if share is not None
-    ]
-    if without:
-        show_line(f"{name}: VAF without a model: {', '.join(without)}")
+    for text in (api.of_movement([p]), api.beside(p)):
+        if text:
+            show_line(f"{name}: {text}")
 
 
 def show_answer(table: TextTable) -> None:

@@ -14,7 +14,7 @@ from surae.cli.screen import show_files, show_line, show_predictions
 
 
 @click.command("validate")
-@click.argument("fitted", metavar="FIT.json")
+@click.argument("fitted", metavar="FIT.json|DIR")
 @click.argument("recordings", metavar="REC…", nargs=-1, required=True)
 @MAPPING
 @corrections
@@ -36,7 +36,11 @@ def command(
     report: str | None,
     corrections: dict[str, Any],
 ) -> None:
-    """Predict the torque of other recordings with the parameters of a fit."""
+    """Predict the torque of other recordings with the parameters of a fit.
+
+    DIR is the folder of a session, whose joint fit is taken. Beside each prediction stands what is
+    predicted without a model.
+    """
     api.check_report(report)
     measured = [api.read(path, mapping=mapping, **corrections) for path in recordings]
     check_outputs(
@@ -44,7 +48,7 @@ def command(
         [fitted, *(f.path for recording in measured for f in recording.files)],
     )
 
-    fit = api.load(fitted)
+    fit = api.fit_of(fitted)
     weights = api.Weighting(exclude) if exclude else None
     with compilation_notice():
         predictions = api.validate(fit, measured, prepared=prepared, weights=weights)
@@ -68,9 +72,10 @@ def _table(paths: Sequence[str], predictions: Sequence["api.Prediction"]) -> lis
         row = {"path": path, "vaf": p.vaf, "rmse_Nm": p.rmse, "bias_Nm": p.bias}
         if (covers := p.covers) is not None:
             row["torque_ci95_covers"] = covers
-        for name, share in (("template", p.baselines.template), ("ridge", p.baselines.ridge)):
-            if share is not None:
-                row[f"{name}_vaf"] = share
+        for name in ("template", "ridge"):
+            row[f"{name}_vaf"] = getattr(p.baselines, name)
+            if reason := getattr(p.baselines, f"{name}_reason"):
+                row[f"{name}_reason"] = reason
         if (judged := p.adequacy) is not None:
             row |= {"r2": judged.r2, "grade": str(judged.grade), "reasons": list(judged.reasons)}
         if p.fascicles:

@@ -8,7 +8,8 @@ from surae.base.files import PathLike
 from surae.base.progress import Progress
 from surae.base.setting import takes
 from surae.cohorts.members import measured, read_table, refitted
-from surae.cohorts.pooled import Cohort, borrowed, ends_of, pool
+from surae.cohorts.pooled import borrowed, ends_of, pool
+from surae.cohorts.result import Cohort
 from surae.cohorts.settings import CohortSettings
 from surae.processes.runner import engine_of
 

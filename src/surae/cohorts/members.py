@@ -23,7 +23,8 @@ from surae.base.frozen import FrozenDict
 from surae.base.progress import Progress
 from surae.base.records import from_plain, to_plain
 from surae.base.units import FloatArray
-from surae.cohorts.pooled import FEWEST, CohortMember, random_effects, sessions_of
+from surae.cohorts.effects import FEWEST, random_effects
+from surae.cohorts.member import CohortMember, sessions_of
 from surae.inference import AssessedFit, make_problem, solve
 from surae.inference.judging.assessment import assess
 from surae.inference.saved.fit_json import load_saved

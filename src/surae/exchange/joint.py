@@ -120,6 +120,12 @@ class JointTissue:
     #: [Nm/rad², …].
     bends: tuple[float, ...] = ()
 
+    def along(self, angle: FloatArray, velocity: FloatArray) -> FloatArray:
+        """Its torque in a movement [rad, rad/s → Nm]."""
+        terms = self.torque, self.stiffness, *self.bends
+        held = np.polynomial.polynomial.polyval(angle, terms)
+        return np.asarray(held + self.damping * velocity)
+
     @property
     def pulls(self) -> bool:
         """Whether there is any."""
@@ -152,26 +158,32 @@ class JointModel:
     @property
     def warnings(self) -> tuple[str, ...]:
         """What of the muscles is no longer anatomy, a sentence each."""
-        said = []
-        for of in self.muscles:
-            muscle = of.muscle
-            if not isinstance(muscle, DeGrooteMuscle):
-                continue
-            if muscle.width > WIDEST:
-                said.append(
-                    f"{of.name}: its force-length curve is {muscle.width:.2g} times as wide as the "
-                    "standard one, because the path of the fit travels less than its arm: fit with "
-                    "geometry virtual-work or the leg’s own for a muscle of the usual width."
-                )
-            if muscle.strain > STRAINED:
-                said.append(
-                    f"{of.name}: its tendon stretches by {100.0 * muscle.strain:.0f} % at the "
-                    "largest force, farther than a human one can, to make up for its path."
-                )
-            if muscle.at_limit:
-                limits = ", ".join(muscle.at_limit)
-                said.append(f"{of.name}: at the end of what is possible there: {limits}.")
-        return tuple(said)
+        return tuple(
+            sentence
+            for of in self.muscles
+            if isinstance(of.muscle, DeGrooteMuscle)
+            for sentence in said_of_muscle(of.name, of.muscle)
+        )
+
+
+def said_of_muscle(name: str, muscle: DeGrooteMuscle) -> list[str]:
+    """What of a muscle is no longer anatomy, a sentence each."""
+    said = []
+    if muscle.width > WIDEST:
+        said.append(
+            f"{name}: its force-length curve is {muscle.width:.2g} times as wide as the "
+            "standard one, because the path of the fit travels less than its arm: fit with "
+            "geometry virtual-work or the leg’s own for a muscle of the usual width."
+        )
+    if muscle.strain > STRAINED:
+        said.append(
+            f"{name}: its tendon stretches by {100.0 * muscle.strain:.0f} % at the "
+            "largest force, farther than a human one can, to make up for its path."
+        )
+    if muscle.at_limit:
+        limits = ", ".join(muscle.at_limit)
+        said.append(f"{name}: at the end of what is possible there: {limits}.")
+    return said
 
 
 def joint_of(leg: Leg, moved: tuple[float, float], *, springs: bool) -> JointModel:
@@ -188,7 +200,7 @@ def joint_of(leg: Leg, moved: tuple[float, float], *, springs: bool) -> JointMod
     for group in GROUPS:
         arm = np.array([leg.hold(group, at).arm for at in degrees.tolist()])
         path = (WrappedPath if springs else PolynomialPath).through(angle, arm)
-        held = _held(leg, group, degrees, path.length(angle))
+        held = held_group(leg, group, degrees, path.length(angle))
         kind: type[MujocoMuscle | DeGrooteMuscle] = MujocoMuscle if springs else DeGrooteMuscle
         tissue = (Springs if springs else MuscleTissue).fitted(held.length, held.tissue)
         muscle = JointMuscle(leg.options.anatomy, group, path, kind.fitted(held), tissue, held.peak)
@@ -208,13 +220,8 @@ def joint_of(leg: Leg, moved: tuple[float, float], *, springs: bool) -> JointMod
     if springs and of("joint_torque") and not of("joint_stiffness"):  # no spring, no rest
         missing = (*missing, "joint_torque")
     bare = leg.with_values(dict.fromkeys(missing, 0.0))
-    beside = JointTissue(
-        leg.joint_torque(0.0),
-        leg.values.get("joint_stiffness", 0.0),
-        leg.values.get("joint_damping", 0.0),
-    )
-    if leg.options.tissue is not None:
-        beside, shown = _of_curve(leg, degrees, beside, 1 if springs else _BENDS)
+    beside, shown = joint_tissue(leg, degrees, 1 if springs else _BENDS)
+    if shown is not None:
         bare = replace(bare, options=replace(leg.options, tissue=shown), _ties=[])
         missing = (*missing, *(["bends of the relaxed curve"] if springs else []))
     return JointModel(
@@ -231,12 +238,18 @@ def joint_of(leg: Leg, moved: tuple[float, float], *, springs: bool) -> JointMod
     )
 
 
-def _of_curve(
-    leg: Leg, degrees: FloatArray, beside: JointTissue, degree: int
-) -> tuple[JointTissue, TissueCurve]:
-    """The joint's tissue with a curve in it as a polynomial of the angle, and that curve."""
+def joint_tissue(
+    leg: Leg, degrees: FloatArray, degree: int = _BENDS
+) -> tuple[JointTissue, TissueCurve | None]:
+    """The joint's own tissue; a curve in it is a polynomial of the angle, which is the second."""
+    beside = JointTissue(
+        leg.joint_torque(0.0),
+        leg.values.get("joint_stiffness", 0.0),
+        leg.values.get("joint_damping", 0.0),
+    )
     curve = leg.options.tissue
-    assert curve is not None
+    if curve is None:
+        return beside, None
     angle = np.radians(degrees)
     torque = np.array([leg.joint_torque(at) for at in degrees.tolist()])
     first, second, *more = np.polynomial.polynomial.polyfit(angle, torque, degree).tolist()
@@ -246,7 +259,7 @@ def _of_curve(
     return made, TissueCurve(tuple(degrees.tolist()), tuple(shown.tolist()))
 
 
-def _held(leg: Leg, group: str, degrees: FloatArray, length: FloatArray) -> HeldMuscle:
+def held_group(leg: Leg, group: str, degrees: FloatArray, length: FloatArray) -> HeldMuscle:
     """A muscle group held still at angles, with lengths [m] of its path there."""
     every = degrees.tolist()
     largest = leg.largest_activity[group] if leg.inputs else 0.0

@@ -36,6 +36,8 @@ _TENDON = 0.2
 #: Shortest and longest fibre of OpenSim, with room, where the tendon stretches as it does in the
 #: fit [optimal lengths]; where a path leaves no room for both, the shortest holds.
 _FIBRE = (0.25, 1.75)
+#: What a slanting fibre reaches along the tendon at least [optimal lengths].
+_REACH = 0.02
 #: Halvings in which force balance is found; 40 leave 1e-12 of the largest force.
 _HALVINGS = 40
 M = TypeVar("M", "DeGrooteMuscle", "MujocoMuscle")
@@ -169,7 +171,9 @@ class HeldMuscle:
     speed: float  #: Largest speed of shortening [optimal lengths/s].
     lag: float  #: Time by which the active state is later than the excitation [s].
     stretch: float  #: Of the tendon at `peak`, along the path [m]; 0 of a rigid one.
-    fibre: float  #: Optimal length as it is fitted [m].
+    fibre: float  #: Optimal length of the fibre [m].
+    pennation: float = 0.0  #: Angle of the fibre to the tendon at its optimal length [rad].
+    weight: FloatArray | None = None  #: What each active force counts, shape (k, n); None: alike.
 
     def nearest(
         self,
@@ -180,11 +184,13 @@ class HeldMuscle:
         """The muscle of numbers between bounds whose active force is nearest to this one's."""
         still = np.zeros_like(self.length)
         shares = self.states / self.peak
+        scale = float(np.abs(self.active).max())
 
         def missing(at: FloatArray) -> FloatArray:
             muscle = of(at)
             forces = [muscle.force(self.length, still, share + still) for share in shares]
-            return np.concatenate(forces - self.active) / self.peak
+            apart = (forces - self.active) / scale
+            return np.concatenate(apart if self.weight is None else apart * self.weight)
 
         ends = [least_squares(missing, start, bounds=bounds) for start in starts]
         found = min(ends, key=lambda end: float(end.cost)).x
@@ -218,25 +224,33 @@ class DeGrooteMuscle:
     speed: float  #: Largest speed of shortening [optimal lengths/s].
     lag: float  #: Time constant of activation and deactivation [s].
     width: float = 1.0  #: By how much its force-length curve is wider than the standard one.
+    pennation: float = 0.0  #: Angle of the fibre to the tendon at its optimal length [rad].
     at_limit: tuple[str, ...] = ()  #: What of it lies at an end of what is looked through.
 
     @classmethod
     def fitted(cls, held: HeldMuscle) -> "DeGrooteMuscle":
         """The muscle of this fibre whose active force, held still, is nearest."""
+        fibre = held.fibre * float(np.cos(held.pennation))  # as far as it reaches along the tendon
         along = held.optimal / held.fibre  # what the fibre travels there for what it does here
         # both curves of speed fall alike at rest
         speed = float(held.speed * along * _FV_SLOPE / (1.0 + 1.0 / MVSH))
 
         def of(at: FloatArray) -> DeGrooteMuscle:
             peak = float(at[1] * held.peak)
-            slack = float(held.optimum + at[0] * held.optimal) - held.fibre
+            slack = float(held.optimum + at[0] * held.optimal) - fibre
             strain = float(at[3] * held.stretch / slack)
-            return cls(peak, held.fibre, slack, strain, speed, held.lag, float(at[2]))
+            width = float(at[2])
+            return cls(
+                peak, held.fibre, slack, strain, speed, held.lag, width, pennation=held.pennation
+            )
 
-        # muscle and tendon fill the path, and the fibre stays as long as OpenSim knows fibres
-        room = _FIBRE[1], _FIBRE[0] + held.stretch / held.fibre
+        # muscle and tendon fill the path, and the fibre stays as long as OpenSim knows fibres: a
+        # slanting one is never shorter than the muscle is thick
+        thick = float(np.sin(held.pennation))
+        least = max(_FIBRE[0] ** 2 - thick**2, _REACH**2) ** 0.5
+        room = _FIBRE[1], least + held.stretch / held.fibre
         shortest, longest = (
-            float(end - (by - 1.0) * held.fibre - held.optimum) / held.optimal
+            float(end - by * held.fibre + fibre - held.optimum) / held.optimal
             for end, by in zip((held.length.max(), held.length.min()), room, strict=True)
         )
         least = max(min(shortest, longest), -1.0)
@@ -252,21 +266,28 @@ class DeGrooteMuscle:
 
         Muscle and tendon are in balance, at the speed of the path.
         """
-        bent = _FV[1] * speed / (self.speed * self.optimal) + _FV[2]
-        moving = activation * (_FV[0] * np.arcsinh(bent) + _FV[3])
         if self.strain == 0.0:
-            held = moving * self._held((length - self.slack) / self.optimal)
+            held = self._active(length - self.slack, speed, activation)
             return self.peak * np.clip(held, 0.0, FECC)
         low = np.zeros_like(length)
         high = np.full_like(length, FECC)
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
             stretch = self.strain * np.log1p(middle / _TENDON) / np.log1p(1.0 / _TENDON)
-            fibre = (length - self.slack * (1.0 + stretch)) / self.optimal
-            more = moving * self._held(fibre) > middle
+            along = length - self.slack * (1.0 + stretch)
+            more = self._active(along, speed, activation) > middle
             low = np.where(more, middle, low)
             high = np.where(more, high, middle)
         return self.peak * 0.5 * (low + high)
+
+    def _active(self, along: FloatArray, speed: FloatArray, activation: FloatArray) -> FloatArray:
+        """Active force along the tendon, of the largest, by the fibre's reach along it [m]."""
+        reach = along / self.optimal
+        fibre = np.hypot(reach, np.sin(self.pennation)) if self.pennation else reach
+        slant = reach / fibre if self.pennation else np.ones_like(reach)
+        bent = _FV[1] * slant * speed / (self.speed * self.optimal) + _FV[2]
+        moving = activation * (_FV[0] * np.arcsinh(bent) + _FV[3])
+        return np.asarray(moving * self._held(fibre) * slant)
 
     def _held(self, fibre: FloatArray) -> FloatArray:
         """Force-length curve, scaled about its optimum."""

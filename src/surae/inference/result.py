@@ -173,6 +173,8 @@ class PosteriorMode(_Solution):
     #: How much stiffer tissue was when each recording began, as a part of its torque, and its
     #: standard deviation; of the muscle group that tells it best.
     softening: tuple[tuple[float, float], ...] = ()
+    #: Values of the simplest member, fitted to the same recordings; empty in files of before.
+    simplest: Mapping[str, float] = field(default_factory=FrozenDict)
     outliers: ClassVar[None] = None  #: Its noise is learnt, and no loss is asked for.
     is_alone: ClassVar[bool] = False  #: The search goes on from the best start's end.
     one_start: ClassVar[str] = ""  #: It looks for other valleys itself.

@@ -4,8 +4,9 @@ The package itself may be called: ``surae.measures(fit)`` is ``fit.measures()``.
 """
 
 from surae.measures import package as package
-from surae.measures.compute import ANGLES, measures, measures_of_values
+from surae.measures.compute import measures, measures_of_values
 from surae.measures.measure import Measure, Measures
+from surae.measures.points import ANGLES
 from surae.measures.table import DEFINITIONS, Definition
 
 __all__ = [

@@ -19,7 +19,7 @@ from surae.inference.judging.adequacy import BEYOND
 from surae.inference.judging.reasons import Reason, against
 from surae.inference.uncertainty.combined import ZERO
 from surae.measures.compared import Quantity, common_end, quantities
-from surae.measures.compute import MeasurePoint, evaluate
+from surae.measures.points import MeasurePoint, evaluate
 from surae.measures.table import DEFINITIONS
 from surae.signals import ModelInputs, same_signals
 from surae.trials import Trial

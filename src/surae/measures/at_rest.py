@@ -13,7 +13,7 @@ from surae.inference.relaxed.context import Laboratory
 from surae.inference.relaxed.curve import RelaxedCurve
 from surae.measures.measure import RestSaid
 from surae.measures.relaxed_change import with_detectable_changes
-from surae.measures.rest import RestMeasure, rated_measures
+from surae.measures.rest.judged import RestMeasure, rated_measures
 from surae.model.joint import ANKLE
 
 

@@ -15,17 +15,12 @@ from surae.inference import Adequacy, AssessedFit, FitResult, Grade
 from surae.inference.judging.reasons import Scope, scopes_of
 from surae.inference.relaxed.curve import RelaxedCurve
 from surae.measures.at_rest import rest_of_fit
-from surae.measures.compute import (
-    ANGLES,
-    Evaluated,
-    disputed,
-    extrapolated,
-    judged_measures,
-    points,
-    rests_on,
-)
+from surae.measures.beyond import extrapolated
+from surae.measures.by_model import disputed, rests_on
+from surae.measures.compute import judged_measures
 from surae.measures.leg import leg_of
 from surae.measures.measure import Measure
+from surae.measures.points import ANGLES, Evaluated, points
 from surae.measures.table import ELECTRODES, LEADING
 from surae.model.laboratory import group_of
 

@@ -15,7 +15,7 @@ from surae.base.normal import NORMAL
 from surae.inference.relaxed.curve import RelaxedCurve
 from surae.measures.measure import Measure
 from surae.measures.relaxed_change import doubt_between, with_detectable_changes
-from surae.measures.rest import measures_of_rest
+from surae.measures.rest.judged import measures_of_rest
 from surae.measures.strength import STRENGTH, strength_meaning, strength_of
 from surae.trials.strength import Effort
 

@@ -83,10 +83,38 @@ def maximal_torque(leg: Leg, _: float, group: str) -> float:
     return -float(best.fun)
 
 
+def shortest_length(leg: Leg, end: float, group: str) -> float:
+    """Least length of the relaxed {muscles} within the range that was moved, of the optimal one.
+
+    100·x/l0, x of equation (9) less what the tendon takes, at the 99th or 1st percentile of the
+    angle: below 100 % on the ascending limb of the force–length curve.
+    """
+    return min(_lengths(leg, end, group))
+
+
+def longest_length(leg: Leg, end: float, group: str) -> float:
+    """Greatest length of the relaxed {muscles} within the range that was moved, of the optimal one.
+
+    As shortest_length_{group}, at the other end: above 100 % on the descending limb.
+    """
+    return max(_lengths(leg, end, group))
+
+
+def _lengths(leg: Leg, end: float, group: str) -> list[float]:
+    """Lengths of a relaxed group at both ends of the range [% of the optimal one]."""
+    if f"l0_{group}" not in leg.values:
+        raise NotDefinedError("none/optimal-length")
+    whole = leg.optimal_length(group)
+    at_ends = [leg.hold(group, leg.turned(degrees)).length for degrees in leg.range_to(end)]
+    return [100.0 * length / whole for length in at_ends]
+
+
 def working_point(leg: Leg, _: float, group: str) -> float:
     """Where the relaxed {short} {work} on the force–length curve at 0°, beyond the optimum.
 
     (x − l0)/|dx/dθ| as an angle, x at 0°; below 0 the muscle is shorter than its optimal length.
+    By the angle that the device shows it is surer (`ci95_device`) than by the ankle's own, whose
+    zero is not known.
     """
     if f"l0_{group}" not in leg.values:
         raise NotDefinedError("none/optimal-length")

@@ -320,7 +320,7 @@ class Leg:
         """
         if not self.inputs:
             raise NotDefinedError("none/activity")
-        largest = _largest(self._of_each("activity"))
+        largest = _largest(self.active_states)
         return {g: by * largest[g] for g, by in zip(GROUPS, self.gained, strict=True)}
 
     @cached_property
@@ -329,6 +329,11 @@ class Leg:
         if not self.inputs:
             raise NotDefinedError("none/pull")
         return _largest([force for _, force, _ in self.split])
+
+    @cached_property
+    def active_states(self) -> list[FloatArray]:
+        """Active states α of both groups in each recording [N], shape (2, n) each."""
+        return self._of_each("activity")
 
     @cached_property
     def split(self) -> list[tuple[TorqueParts, FloatArray, FloatArray]]:

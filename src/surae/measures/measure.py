@@ -51,8 +51,8 @@ class Measure:
     to_deg: float | None = None
     #: ``"rest"``: of the relaxed curve, which no muscle's parameter touches; ``"model"``: of a fit.
     basis: str = "model"
-    #: 95 % interval at the angle as the device shows it, of one at a stated angle by rest; `ci95`
-    #: has the error of the angle's zero too.
+    #: 95 % interval at the angle as the device shows it, of one at a stated angle by rest, or that
+    #: counts from the angle's zero; `ci95` has the error of that zero too.
     ci95_device: tuple[float, float] | None = None
     #: Smallest detectable change between two such visits of an unchanged leg, 1.96·√2·SEM, in the
     #: measure's unit; None where `sdc_note` says why.

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from types import ModuleType
 from typing import Any, cast
 
-from surae.measures.compute import ANGLES
 from surae.measures.measure import Measures
+from surae.measures.points import ANGLES
 
 
 class _Package(ModuleType):

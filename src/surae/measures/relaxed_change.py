@@ -21,7 +21,7 @@ from surae.inference.relaxed.curve import PossibleLegs, RelaxedCurve
 from surae.inference.relaxed.pair import REMOUNTED, LegPairs, paired_legs, remounted_by
 from surae.measures.measure import Measure
 from surae.measures.reliability import reliability_of
-from surae.measures.rest import values_of_rest
+from surae.measures.rest.judged import values_of_rest
 
 #: Part of the pairs that has to have a value.
 _ENOUGH = 0.95

@@ -77,6 +77,8 @@ class Definition:
     span: Callable[[Leg, float], tuple[float, float]] | None = field(default=None, compare=False)
     #: Code of why two sessions cannot be compared by it, or a sentence; empty where they can.
     alone: str = ""
+    #: Whether its value is counted from the zero of the angle, without which it is surer.
+    from_zero: bool = False
 
     def value(self, leg: Leg, at: float) -> float:
         """The measure of a leg at a point."""
@@ -168,7 +170,7 @@ def _part(name: str, compute: Callable[[Leg, float, str], float], of: str) -> De
 INVARIANT: tuple[Definition, ...] = (
     *_pair("passive_exponent", "1/rad", invariant.passive_exponent),
     *_pair("active_width", "deg", invariant.active_width),
-    *_pair("optimal_angle", "deg", active.optimal_angle, is_angle=True),
+    *_pair("optimal_angle", "deg", active.optimal_angle, is_angle=True, from_zero=True),
     *_pair(
         "tendon_rotational_stiffness",
         "Nm/deg",
@@ -181,7 +183,7 @@ INVARIANT: tuple[Definition, ...] = (
         for muscle in MUSCLE_NAMES
     ),
     *_pair("maximal_torque", "Nm", invariant.maximal_torque, of_recordings=True, alone=_EFFORT),
-    *_pair("working_point", "deg", invariant.working_point, is_angle=True),
+    *_pair("working_point", "deg", invariant.working_point, is_angle=True, from_zero=True),
 )
 DEFINITIONS: tuple[Definition, ...] = (
     _moved("end_stiffness", "Nm/deg", passive.end_stiffness, passive.last_degrees),
@@ -193,6 +195,8 @@ DEFINITIONS: tuple[Definition, ...] = (
     *_moved_each(
         "optimum_before_end", "deg", active.optimum_before_end, Leg.range_to, is_angle=True
     ),
+    *_moved_each("shortest_length", "%", invariant.shortest_length, Leg.range_to),
+    *_moved_each("longest_length", "%", invariant.longest_length, Leg.range_to),
     *INVARIANT,
     _D("passive_torque", "Nm", passive.passive_torque, "deg"),
     *_pair("passive_torque", "Nm", passive.passive_torque_of, "deg"),

@@ -9,8 +9,8 @@ from surae.base.frozen import Comparable, read_only
 from surae.base.normal import Student
 from surae.base.units import FloatArray
 from surae.inference import AssessedFit, FitResult
-from surae.measures.compute import MeasurePoint, evaluate
 from surae.measures.leg import measured_range
+from surae.measures.points import MeasurePoint, evaluate
 from surae.measures.table import DEFINITIONS
 from surae.model.movement import gravity_torque
 

@@ -7,7 +7,10 @@ from surae.base.errors import InputError
 from surae.base.frozen import FrozenDict
 from surae.base.normal import Student
 from surae.base.words import Message
-from surae.measures.change import Change, all_judged, asked_of, doubt_of, obstacle
+from surae.measures.change.asked import asked_of
+from surae.measures.change.doubts import doubt_of, obstacle
+from surae.measures.change.result import Change
+from surae.measures.change.verdicts import all_judged
 from surae.measures.compared import Quantities
 from surae.measures.course import FEWEST, Series, trend_of
 from surae.measures.difference import ChangeVerdict, Difference, sentence_of

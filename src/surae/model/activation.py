@@ -27,9 +27,9 @@ IntArray = npt.NDArray[np.int64]
 _TERMS = 14
 _SMALL = 0.5
 #: Where φ1 is summed, and the factors of its series: 12 terms at ¼ leave 1e-17.
-_NEAR = 0.25
+NEAR = 0.25
 #: Effort below which a power of it is taken for that of this part of the reference.
-_SMALLEST_EFFORT = 0.03
+SMALLEST_EFFORT = 0.03
 _FACTORS = tuple(1.0 / math.factorial(j + 1) for j in range(11, -1, -1))
 
 # p·I + q·A with A = [[0, 1], [−1, −2β]], and the derivatives of p and q by h and by β. Every
@@ -359,7 +359,7 @@ def _respond_with_derivatives(
 @inner
 def _phi1(z: float) -> tuple[float, float]:
     """φ1(z) = (e^z − 1)/z and its derivative, without the cancellation near zero, and fast."""
-    if abs(z) > _NEAR:
+    if abs(z) > NEAR:
         grown = math.expm1(z)
         value = grown / z
         return value, (grown - value + 1.0) / z
@@ -368,6 +368,18 @@ def _phi1(z: float) -> tuple[float, float]:
         slope = slope * z + value
         value = value * z + factor
     return value, slope
+
+
+@inner
+def curved_over_effort(
+    envelope: float, smooth: float, reference: float, shape: float, power: float
+) -> float:
+    """One muscle's envelope of one sample, as `shaped` has it."""
+    u = smooth / reference
+    level = u * u + SMALLEST_EFFORT**2
+    grown = 0.5 * math.log(level / (1.0 + SMALLEST_EFFORT**2))
+    curved: float = envelope * _phi1(shape * u)[0] / _phi1(shape)[0] * math.exp(power * grown)
+    return curved
 
 
 @jit
@@ -401,8 +413,8 @@ def shaped(
             e = envelopes[c, i]
             u = smooth[c, i] / reference[c]
             part, d_part = _phi1(shape * u)
-            level = u * u + _SMALLEST_EFFORT**2
-            grown = 0.5 * math.log(level / (1.0 + _SMALLEST_EFFORT**2))
+            level = u * u + SMALLEST_EFFORT**2
+            grown = 0.5 * math.log(level / (1.0 + SMALLEST_EFFORT**2))
             raised = math.exp(power * grown)
             steeper = power * u / level
             out[0, c, i] = e * part / whole * raised

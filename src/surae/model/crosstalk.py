@@ -16,7 +16,7 @@ from surae.model.parameters import CROSSTALK
 
 #: Noise of the part of an electrode's power that is its own muscle's, over which the root of that
 #: part goes through zero: 2·√(S/T), S of rectified EMG at 1024 Hz and T of the smooth envelopes.
-_SILENT = 0.2
+SILENT = 0.2
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,8 +60,8 @@ class OfPowers:
         power = smooth**2 + 1e-300
         powers = np.einsum("ij,jn->in", inverse, power)
         part = powers / power  # negative by noise
-        size = part**2 + _SILENT**2
-        root = ((1.0 + _SILENT**2) / size) ** 0.25
+        size = part**2 + SILENT**2
+        root = ((1.0 + SILENT**2) / size) ** 0.25
         kept = part * root
         by_part = root * (1.0 - 0.5 * part**2 / size)
         return cls(heard * kept, inverse, mixing, powers, kept, heard * by_part / power)

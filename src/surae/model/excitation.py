@@ -53,7 +53,7 @@ from surae.model.movement import LegMovement, MusclePath
 from surae.model.options import ModelOptions
 from surae.model.parameters import CROSSTALK, OPTIONAL, OPTIONAL_PARAMETERS
 from surae.recording import MUSCLES
-from surae.signals import ModelInputs, smooth_effort
+from surae.signals import Effort, ModelInputs, smooth_effort
 
 #: EMG channels of triceps and tibialis.
 GROUPS = (slice(1, 4), slice(0, 1))
@@ -101,16 +101,16 @@ class Excitation:
         #: ∂ê/∂ρ, shape (4, n); None where there is no release.
         self._by_release: FloatArray | None = None
         if "release" in at:
-            smooth = smooth_effort(emg, inputs.rate_hz)
-            self._by_release = 0.5 * np.abs(np.gradient(smooth, 1.0 / inputs.rate_hz, axis=1))
+            self._by_release = 0.5 * np.abs(_effort(inputs, emg).smooth_rate)
+        given = emg
         if curved:
-            emg = np.concatenate([emg, smooth_effort(emg, inputs.rate_hz)], axis=1)
+            emg = np.concatenate([emg, _effort(inputs, given).smooth], axis=1)
         #: de/dt, of envelopes and of smooth ones behind them; None where there is no lag.
         self._rate: FloatArray | None = None
         if "emg_lag" in at:
-            parts = emg.reshape(len(emg), -1, inputs.n)
-            rate = np.asarray(np.gradient(parts, 1.0 / inputs.rate_hz, axis=2))
-            self._rate = rate.reshape(emg.shape)
+            effort = _effort(inputs, given)
+            parts = (effort.rate, effort.smooth_rate) if curved else (effort.rate,)
+            self._rate = np.concatenate(parts, axis=1)
         self._emg = np.array(emg, dtype=np.float64, order="C")
         self._at = at
         self._weights = [at[name] for name in weights]
@@ -122,7 +122,7 @@ class Excitation:
         #: Smooth envelopes of electrodes in which powers add up; None where envelopes do.
         self._smooth: FloatArray | None = None
         if inputs.own_envelopes and CROSSTALK[0, 1] in at:
-            smooth = smooth_effort(emg[:, : inputs.n], inputs.rate_hz)
+            smooth = _effort(inputs, given).smooth
             self._smooth = np.tile(smooth, emg.shape[1] // inputs.n)
         self._present = np.array([m not in inputs.missing_emg for m in MUSCLES], dtype=float)
         self._reference = _reference(inputs, options, self._present) if curved else None
@@ -261,6 +261,15 @@ class Excitation:
         delay = at.get(_DELAY, -1)
         late = _OFF if delay < 0 else float(values[delay])
         return Drive(signal, slopes, late, delay if delay in wanted else -1)
+
+
+def _effort(inputs: ModelInputs, emg: FloatArray) -> Effort:
+    """The recording's effort, or that of envelopes of shape (4, n)."""
+    if inputs.effort is not None:
+        return inputs.effort
+    smooth = smooth_effort(emg, inputs.rate_hz)
+    rate, smooth_rate = (np.gradient(e, 1.0 / inputs.rate_hz, axis=1) for e in (emg, smooth))
+    return Effort(smooth, np.asarray(rate), np.asarray(smooth_rate))
 
 
 #: What a reflex answers; its derivatives by speed and by length, and those by k and x0.

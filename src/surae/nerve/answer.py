@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf
+from math import inf, radians
 
 import numpy as np
 
@@ -54,6 +54,11 @@ class Impedance(Tabular, Saved):
                 f"without a reflex, {other} % with one the other way round); {r.seconds:.3g} s; "
                 f"stiffness {'changes' if r.stationarity.verdict == 'changes' else 'is steady'}."
             )
+            if (each := in_degrees(r.measures)) is not None:
+                low, value, high = (f"{of:.3g}" for of in each)
+                below.append(
+                    f"{name}stiffness {value} Nm/deg ({low} to {high}), as measures have it."
+                )
             below += [f"{name}{note}" for note in r.notes]
         heads = ("measure", "value", "95 % interval", "unit", "verdict", "note")
         return TextTable(
@@ -73,6 +78,14 @@ def joined(recordings: Sequence[Perturbed]) -> Impedance:
     measures = {name: _mean(name, [r.measures[name] for r in recordings]) for name in MEASURES}
     reflex = _together([r.reflex for r in recordings])
     return Impedance(tuple(recordings), reflex, FrozenDict(measures))
+
+
+def in_degrees(measures: FrozenDict[str, NerveMeasure]) -> tuple[float, float, float] | None:
+    """Lower end, value and upper end of the stiffness in the unit of a fit's measures [Nm/deg]."""
+    m = measures["intrinsic_stiffness"]
+    if m.value is None:
+        return None
+    return radians(m.ci95[0]), radians(m.value), radians(m.ci95[1])
 
 
 def measure_rows(measures: FrozenDict[str, NerveMeasure]) -> list[tuple[str, ...]]:

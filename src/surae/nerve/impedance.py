@@ -6,7 +6,6 @@ from typing import Literal
 
 import numpy as np
 
-from surae.base.errors import InputError
 from surae.base.frozen import FrozenDict, freeze
 from surae.base.words import N_, Message
 from surae.nerve.cascade import muscle
@@ -18,11 +17,12 @@ from surae.nerve.other_structures import MISFIT, PLAIN
 from surae.nerve.perturbed_records import Curves, Perturbed, ReflexPath, Stationarity
 from surae.nerve.piece import Piece
 from surae.nerve.presence import Weighed
-from surae.nerve.reflex_claim import BEHIND, claimed, judged
+from surae.nerve.reflex_claim import BEHIND, claimed, in_loop, judged
 from surae.nerve.response import falls_short, lags, predicted, responses
 from surae.nerve.samples import Samples, measured, usable
 from surae.nerve.triggered import answering
 from surae.nerve.turned import turned
+from surae.nerve.yielding import loop_of
 from surae.recording import Recording
 
 
@@ -35,7 +35,13 @@ def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Pertur
         It has no torque, is no perturbation, or too little of it can be used.
     """
     samples, pieces = turned(samples_of(recording))
-    halves = samples.halves()
+    loop = loop_of(recording, samples, pieces)
+    if loop.samples is not None:
+        band, samples = samples.band, loop.samples
+        pieces = samples.pieces(highest=band[0])
+    else:
+        band = samples.band
+    halves = samples.halves(band[0])
     said: list[ReflexPath] = []
 
     def judge(
@@ -44,14 +50,9 @@ def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Pertur
         said.append(judged(weighed, share, fitted, direction, samples, unseen))
         return said[-1].verdict == "present"
 
-    found = identify(pieces, halves, samples.band[1], judge)
-    if found.numbers["intrinsic_viscosity"].high < 0.0:
-        raise InputError(
-            f"{recording.where}: the leg drives the movement, not the device: a voluntary one, "
-            "or an angle and a torque that do not belong together; perturb a leg that holds still"
-        )
+    found = identify(pieces, halves, band[1], judge)
     behind = falls_short(pieces, [found.fitted.prediction(p) for p in pieces])
-    claims = claimed(found, said[-1], behind)
+    claims = in_loop(claimed(found, said[-1], behind), loop, found)
     measures = {
         name: number_of(
             name,

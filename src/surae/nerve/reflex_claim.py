@@ -1,7 +1,7 @@
 """What is claimed of a perturbed leg: whether a reflex is there, and which numbers stand."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from surae.base.words import N_, Message
 from surae.nerve.cascade import BOUNDS
@@ -12,6 +12,7 @@ from surae.nerve.other_structures import MISFIT
 from surae.nerve.perturbed_records import ReflexPath
 from surae.nerve.presence import LEAST_SHARE, NATS, NONE_SEEN, OVER_NONE, OVER_OTHER, Weighed
 from surae.nerve.samples import Samples
+from surae.nerve.yielding import DEVICE_YIELDS, LEG_DRIVES, TOO_FREE, TOO_MUCH, Loop
 
 #: Of directions of movement, by their sign.
 DIRECTIONS = {1: "dorsiflexion", -1: "plantarflexion"}
@@ -92,6 +93,22 @@ class Claimed:
     numbers: Mapping[str, Number]  #: Of measures; those of a reflex only where one is present.
     hidden: Mapping[str, tuple[float, float]]  #: What a reflex may have that is not seen.
     why: Message  #: Why what has no number has none.
+
+
+def in_loop(claims: Claimed, loop: Loop, found: Cascade) -> Claimed:
+    """What is claimed where the leg may move its device: nothing that both make together."""
+    driven = found.numbers["intrinsic_viscosity"].high < 0.0
+    if driven or not loop.told:
+        why = Message(LEG_DRIVES if driven else DEVICE_YIELDS)
+        return Claimed(ReflexPath("cannot tell", None, why), {}, {}, why)
+    if not loop.yields:
+        return claims
+    numbers = {name: loop.widened(name, number) for name, number in claims.numbers.items()}
+    if loop.free <= TOO_FREE:
+        return replace(claims, numbers=numbers)
+    why = Message(TOO_MUCH, part=100.0 * loop.free)
+    own = {name: number for name, number in numbers.items() if not name.startswith("reflex_")}
+    return Claimed(ReflexPath("cannot tell", None, why), own, {}, why)
 
 
 def claimed(found: Cascade, reflex: ReflexPath, behind: float) -> Claimed:

@@ -102,12 +102,14 @@ class Samples:
         top = min(TOP, 0.36 * self.rate_hz)
         return float(np.clip(f[dull[0]] if len(dull) else top, 8.0, top)), floor
 
-    def pieces(self, spans: Sequence[slice] | None = None) -> list[Piece]:
-        """The pieces that are fitted."""
+    def pieces(
+        self, spans: Sequence[slice] | None = None, highest: float | None = None
+    ) -> list[Piece]:
+        """The pieces that are fitted, up to the highest frequency [Hz]: that of the band."""
         used = self.spans if spans is None else spans
         anchor = float(np.mean(np.concatenate([self.angle[s] for s in self.spans])))
         whole = (float(self.time[0]), float(self.time[-1]))
-        band = self.band[0]
+        band = self.band[0] if highest is None else highest
         return [
             Piece(
                 self.time[s],
@@ -121,7 +123,7 @@ class Samples:
             for s in used
         ]
 
-    def halves(self) -> list[list[Piece]]:
+    def halves(self, highest: float | None = None) -> list[list[Piece]]:
         """The pieces of the first and of the second half of the time that is used."""
         middle = 0.5 * self.seconds * self.rate_hz
         parts: tuple[list[slice], list[slice]] = ([], [])
@@ -134,7 +136,7 @@ class Samples:
             ):
                 if own.stop - own.start >= 0.5 * SHORTEST * self.rate_hz:
                     part.append(own)
-        return [self.pieces(part) for part in parts]
+        return [self.pieces(part, highest) for part in parts]
 
 
 def in_gaps(known: FloatArray, clock: FloatArray, step: float) -> np.ndarray:

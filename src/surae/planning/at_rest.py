@@ -14,7 +14,7 @@ from surae.inference.relaxed.build import curve_of
 from surae.inference.relaxed.context import UNKNOWN
 from surae.inference.relaxed.curve import RelaxedCurve
 from surae.measures.measure import Measure
-from surae.measures.rest import measures_of_rest
+from surae.measures.rest.judged import measures_of_rest
 from surae.model.joint import ANKLE
 from surae.planning.information import model_inputs
 from surae.planning.legs import Legs

@@ -189,8 +189,13 @@ class Load:
     @property
     def text(self) -> str:
         """It in words."""
+        return self.message
+
+    @property
+    def message(self) -> Message:
+        """It in words, and their parts."""
         low, high = self.torque
-        return Message("plan/load", low=low, high=high, speed=self.speed)
+        return Message("plan/load", low=low, high=high, speed=math.degrees(self.speed))
 
 
 def load_of(trajectory: Trajectory) -> Load:

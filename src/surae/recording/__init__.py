@@ -17,7 +17,7 @@ from surae.recording.recording import (
     SourceFile,
 )
 from surae.recording.table import leaving_gaps
-from surae.recording.writing import csv_columns, write_csv
+from surae.recording.writing import csv_columns, write_csv, write_parquet
 
 __all__ = [
     "FILMED",
@@ -39,4 +39,5 @@ __all__ = [
     "read",
     "write_csv",
     "write_hdf5",
+    "write_parquet",
 ]

@@ -74,13 +74,13 @@ def channels_frame(channels: Mapping[str, Any], about: Mapping[str, str]) -> Any
     return table
 
 
-def library(name: str, purpose: str) -> Any:
-    """A library of the extra ``notebook``, loaded only where it is used."""
+def library(name: str, purpose: str, extra: str = "notebook") -> Any:
+    """A library of an extra, loaded only where it is used."""
     try:
         return importlib.import_module(name)
     except ImportError:
         raise InputError(
-            f"{purpose} needs {name}: install it with `pip install 'surae[notebook]'`"
+            f"{purpose} needs {name}: install it with `pip install 'surae[{extra}]'`"
         ) from None
 
 

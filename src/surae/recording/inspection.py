@@ -9,6 +9,7 @@ from surae.base.errors import InputError
 from surae.base.files import PathLike, paths_of, shown
 from surae.base.formatting import check_known
 from surae.base.frozen import FrozenDict
+from surae.base.units import kind, stated
 from surae.base.words import N_
 from surae.recording.channels import Scaling, written_unit
 from surae.recording.channels import channel as read_channel
@@ -166,6 +167,34 @@ def recording_by_names(path: PathLike) -> Recording | None:
         side=found.side,
         files=(source.file,),
     )
+
+
+def channels_by_names(
+    columns: Sequence[tuple[str, str]],
+) -> tuple[dict[str, InspectedChannel], dict[str, tuple[InspectedChannel, ...]]]:
+    """What columns seem to be before there is a sample of them: by their names and units.
+
+    `columns` are name and stated unit, empty where none is. Returned are, as `Inspection` has them,
+    the channel of each role that has one plainly, and what could be each role that is left open.
+    """
+    channels = []
+    for column, unit in columns:
+        guess = guess_role(column, unit or None)
+        known = stated(unit)
+        of_role = guess is not None and known is not None and kind(guess.roles[0]) == known.kind
+        fits = of_role and known is not None and bool(known.unit) and not known.per_kg
+        channels.append(
+            InspectedChannel(
+                "",
+                column,
+                unit or None,
+                known_unit=known.unit if fits and known is not None else None,
+                scale=known.scale if fits and known is not None else 1.0,
+                guess=guess,
+            )
+        )
+    channels = _of_their_joint(channels)
+    return _assigned(channels, _side(channels, None)[0])
 
 
 def _units_unknown(roles: Mapping[str, InspectedChannel]) -> str:

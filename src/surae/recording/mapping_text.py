@@ -25,6 +25,7 @@ _SIGN = {
     "angular_velocity": "check: as the angle's",
     "angular_acceleration": "check: as the angle's",
     "second_angle": "check: as in the geometry's file",
+    "commanded_angle": "check: as the angle's",
 }
 _OFFSET = {
     "angle": "added before the sign; 0 must be the foot perpendicular to the shank",

@@ -41,6 +41,7 @@ ROLES = (
     "angular_velocity",
     "angular_acceleration",
     "second_angle",  # of a joint that the muscles cross too, such as the knee
+    "commanded_angle",  # that the device was told to take
     *(f"{seen}_{muscle}" for seen in ("fascicle", "pennation") for muscle in FILMED),
 )
 #: Roles that a film shows: it has a clock of its own, may lose frames and need not last.

@@ -77,6 +77,44 @@ def write_csv(
             handle.write("".join(",".join(map(repr, row)) + "\n" for row in part).encode())
 
 
+def write_parquet(path: PathLike, recording: Recording) -> None:
+    """Write a recording as Parquet, the table of pandas, Polars and R, its units in the columns.
+
+    Parameters
+    ----------
+    path : str or path
+        The file; what it held before is replaced.
+    recording : Recording
+        Its channels share one time axis.
+
+    Raises
+    ------
+    InputError
+        The package pyarrow is missing, the channels have times of their own, or the file cannot be
+        written.
+
+    Examples
+    --------
+    >>> surae.api.write_parquet("trial.parquet", surae.read("trial.csv"))
+    """
+    from surae.recording.frames import library
+
+    where = f"cannot write {shown(path)}"
+    arrow = library("pyarrow", "a Parquet file", "formats")
+    parquet = library("pyarrow.parquet", "a Parquet file", "formats")
+    time = shared_time(recording, where)
+    roles = list(recording.channels.items())
+    fields = [arrow.field("time_s", arrow.float64(), metadata={"unit": "s"})]
+    fields += [
+        arrow.field(column_name(role, c.unit), arrow.float64(), metadata={"unit": c.unit})
+        for role, c in roles
+    ]
+    said = {"name": recording.name, "emg": recording.emg}
+    table = arrow.table([time, *(c.values for _, c in roles)], schema=arrow.schema(fields, said))
+    with atomic_file(path) as handle:
+        parquet.write_table(table, handle)
+
+
 def shared_time(recording: Recording, where: str) -> FloatArray:
     """The times that all channels have, shape (n,) [s].
 

@@ -7,7 +7,7 @@ from surae.base.formatting import NO_NUMBER
 from surae.base.words import JUDGEMENTS
 from surae.inference import AssessedFit, Grade
 from surae.inference.relaxed.curve import RelaxedCurve
-from surae.measures.change import Change
+from surae.measures.change.result import Change
 from surae.measures.difference import ChangeVerdict, Difference
 from surae.measures.torque_curve import torque_curve
 from surae.report import block

@@ -4,7 +4,8 @@ from datetime import datetime
 
 from surae.base.files import natural_order
 from surae.base.formatting import of_interval
-from surae.cohorts.pooled import Cohort, CohortMember, sessions_of
+from surae.cohorts.member import CohortMember, sessions_of
+from surae.cohorts.result import Cohort
 from surae.measures.table import LEADING
 from surae.report import block
 from surae.report.figures.cohort import forest_figure, sessions_figure

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import datetime
+from itertools import chain
 
 import numpy as np
 
@@ -22,7 +23,8 @@ from surae.report.figures.research import (
 )
 from surae.report.figures.tendon import film_figure, tendon_figure
 from surae.report.figures.torque import predictions_figure, torque_figure
-from surae.report.invariants import invariants_section
+from surae.report.first import asked, first_screen, grade_line
+from surae.report.invariants import invariants_section, is_invariant
 from surae.report.laboratory import (
     family_section,
     known_section,
@@ -63,8 +65,8 @@ def fit_report(
     budget = budget_of(fit)
     joint = result.problem.options.anatomy
     kicker = joint.worded("Ankle muscle parameters")
+    first = first_screen(fit, traces)
     names = [recording.name for recording in assessment.recordings]
-    several = f", {len(names)} recordings in one joint fit" if len(names) > 1 else ""
     recordings = (
         recording_section(number, *each)
         for number, each in enumerate(
@@ -73,7 +75,7 @@ def fit_report(
     )
     found = {checked.recording: checked for checked in fit.quality}
     details = (
-        invariants_section(fit),
+        invariants_section([m for m in first.measures if is_invariant(m)]),
         parameters_section(fit, next_anchor=NEXT if budget.helps else ""),
         *([findings_section(found)] if found else []),
         *([holds_section(traces)] if are_holds(traces) else []),
@@ -93,12 +95,11 @@ def fit_report(
     document = block.Document(
         kicker=kicker,
         heading=" + ".join(names),
-        under=(
-            f"Fitted with the {result.problem.spec.title}{several}. Report of "
-            f"{created.strftime('%Y-%m-%d %H:%M %Z').strip()}."
-        ),
+        under=f"{asked(result)} {created.strftime('%Y-%m-%d %H:%M %Z').strip()}.",
         title=f"{kicker}: {', '.join(names)}",
         blocks=(
+            grade_line(fit),
+            first.section,
             _summary(fit, traces),
             *predictions_section(assessment, predictions, joint),
             block.Section("Details", details, "details", "more"),
@@ -110,7 +111,8 @@ def fit_report(
             "those of the thesis Estimating ankle muscle parameters (van de Poll, 2015)."
         ),
     )
-    return Report(document, _figures(fit, budget, traces, predictions), traces)
+    figures = chain(first.figures.items(), _figures(fit, budget, traces, predictions))
+    return Report(document, figures, traces)
 
 
 def predictions_report(assessment: Assessment, predictions: Sequence[Prediction]) -> Report:
@@ -155,6 +157,8 @@ def _summary(fit: AssessedFit, traces: Sequence[Traces]) -> block.Section:
     torque = np.concatenate([trial.measured[trial.counted] for trial in traces])
     rms = float(np.sqrt(np.mean(torque**2)))
     message = result.message if result.message.endswith(".") else f"{result.message}."
+    count = len(traces)
+    several = f", {count} recordings in one joint fit" if count > 1 else ""
     status = block.Text(
         f"{message[:1].upper()}{message[1:]}",
         f"status {result.status}",
@@ -163,6 +167,7 @@ def _summary(fit: AssessedFit, traces: Sequence[Traces]) -> block.Section:
     blocks: tuple[block.Block, ...] = (
         adequacy_words(assessment.adequacy, fit.quality),
         status,
+        block.Text(f"Fitted with the {result.problem.spec.title}{several}."),
         _key(fit, rms),
         *block.paragraphs(summary(fit)),
         _glance(assessment),

@@ -1,9 +1,13 @@
 """What torque tells of the muscles whatever arms and paths are: first in tables and reports."""
 
+from collections.abc import Sequence
+
 from surae.base.formatting import of_interval
+from surae.base.units import on_page
 from surae.inference import AssessedFit
 from surae.measures import Measure
-from surae.measures.compute import judged_measures, points
+from surae.measures.compute import judged_measures
+from surae.measures.points import points
 from surae.measures.table import INVARIANT
 from surae.report import block
 
@@ -15,24 +19,32 @@ _NOTE = (
 )
 
 
+def is_invariant(measure: Measure) -> bool:
+    """Whether a measure hangs on no arm and no path."""
+    return measure.name.partition("@")[0] in _NAMES
+
+
 def invariants(fit: AssessedFit) -> tuple[Measure, ...]:
     """Those of a fit that have a value, in the order of the table."""
     wanted = tuple(point for point in points() if point.definition.name in _NAMES)
     return tuple(m for _, m in judged_measures(fit, wanted) if m.value is not None)
 
 
-def invariants_section(fit: AssessedFit) -> block.Section:
-    """A row for each."""
+def invariants_section(measures: Sequence[Measure]) -> block.Section:
+    """A row for each that has a value."""
     rows = []
-    for m in invariants(fit):
-        assert m.value is not None
-        text = of_interval(m.value, m.ci95)
+    for m in measures:
+        if m.value is None:
+            continue
+        unit, factor = on_page(m.unit)
+        ci95 = None if m.ci95 is None else (factor * m.ci95[0], factor * m.ci95[1])
+        text = of_interval(factor * m.value, ci95)
         rows.append(
             (
                 block.Cell(m.name, kind="code", meaning=m.meaning),
                 text.value,
                 text.interval,
-                m.unit,
+                unit,
                 block.verdict(m.verdict, why=m.note),
             )
         )

@@ -9,11 +9,12 @@ from surae.base.units import FloatArray
 from surae.inference import AssessedFit
 from surae.inference.judging.reasons import OF_STIFFNESS, Reason
 from surae.measures import Measures, measures
-from surae.measures.change import Change, compare_sessions
+from surae.measures.change.compare import compare_sessions
+from surae.measures.change.result import Change
 from surae.measures.compared import Quantities, common_end, quantities
-from surae.measures.compute import ANGLES
 from surae.measures.leg import measured_range
 from surae.measures.norms import Norm, read_norms
+from surae.measures.points import ANGLES
 from surae.measures.table import LEADING
 from surae.measures.torque_curve import (
     HeldPoint,

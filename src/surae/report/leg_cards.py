@@ -10,7 +10,7 @@ from surae.inference import Adequacy, AssessedFit, Assessment, Grade, Verdict
 from surae.inference.judging.reasons import OF_OTHER_TRIALS, Reason
 from surae.measures import Measure, Measures
 from surae.measures.agreement import said_of
-from surae.measures.change import Change
+from surae.measures.change.result import Change
 from surae.measures.difference import ChangeVerdict, Difference
 from surae.measures.norms import Norm, placed
 from surae.measures.table import LEADING

@@ -7,7 +7,7 @@ from math import nan
 from surae.base.formatting import NO_NUMBER, percentage, significant
 from surae.base.frozen import FrozenDict
 from surae.base.words import N_, Message
-from surae.nerve.answer import Impedance, measure_rows
+from surae.nerve.answer import Impedance, in_degrees, measure_rows
 from surae.nerve.leg import stretch_torque
 from surae.nerve.measures import NerveMeasure
 from surae.nerve.perturbed_records import Perturbed
@@ -225,6 +225,14 @@ def _recording(
     steady = _("It is steady.")
     if r.stationarity.verdict == "changes":
         steady = _("It changes.")
+    if (each := in_degrees(r.measures)) is not None:
+        below, middle, above = (significant(of, 3) for of in each)
+        said = _(
+            "That is {value} Nm/° ({ends}), the unit of a fit’s measures.",
+            value=_.number(middle),
+            ends=_.span(below, above),
+        )
+        steady = f"{steady} {said}"
     structures = []
     for label, (value, low, high) in r.structures.items():
         ends = (low, high) if low < high else (nan, nan)  # some tell a value alone

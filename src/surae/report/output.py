@@ -20,7 +20,7 @@ __all__ = ["Report", "page_of", "paper_of", "write_blocks"]
 #: Resolution of figures that are no lines [dots per inch].
 _DPI = 150
 #: Figures with many lines; all others have few lines and many letters, and stay sharp at any size.
-_MANY_LINES = ("torque-", "residual-", "tendon-", "predictions")
+_MANY_LINES = ("first", "torque-", "residual-", "tendon-", "predictions")
 #: A figure's name, which is that of a file where a page is set on paper.
 _NAME = re.compile(r"\w[\w.@ -]*")
 

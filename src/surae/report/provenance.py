@@ -134,6 +134,13 @@ def fit_settings(result: FitResult) -> list[tuple[str, str]]:
         facts.append((f"Search {name}", f"{stage.evaluations} evaluations{capped}"))
     if says := whose_geometry(problem.settings):
         facts.append(("Moment arms and priors", problem.options.anatomy.worded(says)))
+    return facts + requested(result)
+
+
+def requested(result: FitResult) -> list[tuple[str, str]]:
+    """Every setting that was asked for and is not its default: label and value."""
+    problem = result.problem
+    facts = []
     for request in (problem.settings, problem.settings.estimator, problem.options):
         for each, record in settings_of(type(request)):
             value = getattr(request, each.name)

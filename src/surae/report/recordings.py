@@ -10,9 +10,9 @@ from surae.inference import RecordingQuality, Whiteness
 from surae.inference.judging.fascicles import FascicleQuality, Fascicles
 from surae.recording.table import sample
 from surae.report import block
-from surae.report.cycles import find_cycles
 from surae.report.provenance import excluded_text
 from surae.report.traces import Traces
+from surae.signals.cycles import find_cycles
 
 
 def recording_section(
@@ -88,7 +88,7 @@ def recording_section(
             (over if count else "")
             + joint.worded(
                 "EMG envelopes, ankle angle, measured (wide, pale) and modelled (thin, dark) "
-                "torque, and the parts of the modelled torque: passive tissue, neural (active "
+                "torque, and the parts of the modelled torque: passive tissue, muscle (active "
                 "contraction), inertia and gravity of foot and footplate."
             ),
             "still cycles" if count else "still",

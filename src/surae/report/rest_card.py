@@ -1,6 +1,6 @@
 """The first card of a leg's page where its rest tells how stiff it is: one number, one curve."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from surae.base.formatting import short
@@ -29,7 +29,7 @@ class RestCard:
     figure: Figure
 
 
-def stated_angle(of_fit: Measures, at: float) -> float:
+def stated_angle(of_fit: Mapping[str, Measure], at: float) -> float:
     """Where stiffness is given: at `at` [deg], or the nearest angle at which rest tells it."""
     told = [
         float(m.name.partition("@")[2].removesuffix("deg")) for m in of_fit.values() if _tells(m)

@@ -11,6 +11,7 @@ from surae.inference.judging.assessment import described, variance_inflation
 from surae.inference.judging.verdict import IDENTIFIED
 from surae.model.joint import ANKLE, Joint
 from surae.report import block
+from surae.report.beside import follows, of_movement
 
 
 def correlation_section(assessment: Assessment) -> block.Section:
@@ -64,9 +65,12 @@ def predictions_section(
     if not predictions:
         return ()
     together = pooled(predictions)
-    rows = [(p.name, p.vaf, p.rmse, p.bias) for p in predictions]
+    rows = [
+        (p.name, p.vaf, p.baselines.template, p.baselines.ridge, p.rmse, p.bias)
+        for p in predictions
+    ]
     if len(predictions) > 1:
-        rows.append(("all together", together.vaf, together.rmse, together.bias))
+        rows.append(("all together", together.vaf, None, None, together.rmse, together.bias))
     text = (
         f"With the parameters of this fit, {percentage(together.vaf)} % of the mean square of "
         f"torque that the fit has not seen is accounted for; of its own torque it was "
@@ -77,14 +81,28 @@ def predictions_section(
             " The parameters carry over only in part: they describe the recordings they were "
             f"fitted to better than the {joint.body}."
         )
+    for said in (of_movement(predictions), follows(predictions)):
+        text += f" {said}" if said else ""
     table = block.Grid(
         "How well other recordings are predicted",
         block.columns(
-            "Recording", "VAF [%]", "RMSE [Nm]", "Bias [Nm]", numbers=(1, 2, 3), wide=(0,)
+            "Recording",
+            "VAF [%]",
+            "Mean of the others [%]",
+            "Regression [%]",
+            "RMSE [Nm]",
+            "Bias [Nm]",
+            numbers=(1, 2, 3, 4, 5),
+            wide=(0,),
         ),
         block.rows(
-            (name, percentage(vaf), significant(rmse, 3), significant(bias, 3))
-            for name, vaf, rmse, bias in rows
+            (
+                name,
+                *(NO_NUMBER if share is None else percentage(share) for share in shares),
+                significant(rmse, 3),
+                significant(bias, 3),
+            )
+            for name, *shares, rmse, bias in rows
         ),
     )
     picture = block.Picture(

@@ -16,7 +16,8 @@ from surae.base.words import Message
 from surae.inference import AssessedFit, Assessment
 from surae.inference.judging.assessment import outdated
 from surae.inference.judging.parameter import ParameterEstimate
-from surae.measures.compute import judged_measures, points
+from surae.measures.compute import judged_measures
+from surae.measures.points import points
 from surae.measures.table import LEADING
 from surae.report.budget import what_would_help
 from surae.report.invariants import invariants

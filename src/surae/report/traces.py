@@ -22,6 +22,10 @@ from surae.model.simulator import TorqueParts
 from surae.recording import MUSCLES
 from surae.report.provenance import excluded_spans
 
+#: What figures call parts of the torque that the model calls otherwise: what a muscle adds is no
+#: nerve's, whatever made it contract; a reflex has a line of its own.
+PARTS = {"neural": "muscle"}
+
 __all__ = ["Traces", "extremes", "min_max", "traces_of"]
 
 
@@ -159,7 +163,8 @@ def plots() -> dict[str, Any]:
 
 def _recording(traces: Traces, points: int) -> dict[str, Any]:
     names = ("tissue", "neural", "inertial", "gravitational", "reflex", "zero")
-    parts = [(n, values) for n in names if (values := getattr(traces.parts, n)) is not None]
+    every = [(n, getattr(traces.parts, n)) for n in names]
+    parts = [(PARTS.get(n, n), values) for n, values in every if values is not None]
     volts = traces.emg_unit == "V"
     muscles = [muscle for muscle in MUSCLES if muscle not in traces.missing_emg]
     panels: list[tuple[str, str, list[tuple[str, FloatArray]]]] = [

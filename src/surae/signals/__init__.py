@@ -1,6 +1,8 @@
 """Recordings to model inputs: filters, resampling, derivatives."""
 
+from surae.signals.filters import one_pass
 from surae.signals.inputs import (
+    Effort,
     EmgReference,
     Film,
     ModelInputs,
@@ -17,6 +19,7 @@ from surae.signals.normalise import (
     normalised,
     quiet_levels,
     smooth_effort,
+    smooth_effort_s,
     steady_emg,
 )
 from surae.signals.prepare import prepare
@@ -25,6 +28,7 @@ from surae.signals.settings import Preparation
 from surae.signals.weighting import Weighting, settled, weighted
 
 __all__ = [
+    "Effort",
     "EmgReference",
     "Film",
     "ModelInputs",
@@ -38,12 +42,14 @@ __all__ = [
     "noise_alone",
     "normalise",
     "normalised",
+    "one_pass",
     "prepare",
     "quiet_levels",
     "same_signals",
     "sampled",
     "settled",
     "smooth_effort",
+    "smooth_effort_s",
     "steady_emg",
     "thinned",
     "thinning_factor",

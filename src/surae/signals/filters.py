@@ -87,6 +87,20 @@ def antialias(
     return zero_phase("lowpass", values, rate_hz, cutoff, ANTIALIAS_ORDER, ends=ends, where=where)
 
 
+def one_pass(kind: Kind, rate_hz: float, cutoff_hz: float, order: int) -> FloatArray:
+    """One pass of a filter as second-order sections, shape (k, 6): two of them make `zero_phase`.
+
+    What runs while samples come has no second pass back: two passes forward have the same gain, and
+    a delay.
+    """
+    if cutoff_hz >= HIGHEST_CUTOFF * rate_hz:
+        raise InputError(
+            f"a filter at {cutoff_hz:g} Hz needs a sampling rate above "
+            f"{cutoff_hz / HIGHEST_CUTOFF:g} Hz, it is {rate_hz:g} Hz"
+        )
+    return _one_pass(kind, rate_hz, cutoff_hz, order)[0]
+
+
 @lru_cache
 def _one_pass(kind: Kind, rate_hz: float, cutoff_hz: float, order: int) -> tuple[FloatArray, int]:
     """One pass as second-order sections, shape (k, 6), and the samples until it has forgotten.

@@ -37,7 +37,19 @@ class Film(Comparable):
     length: FloatArray  #: Its length [m], shape (k,).
 
 
-@filed(n="n", sparse=("films", "second", "own_envelopes", "rectified", "emg_lost"))
+@dataclass(frozen=True, slots=True, eq=False)
+class Effort(Comparable):
+    """EMG envelopes as smooth as effort is, and how fast both change; arrays (4, n), read-only.
+
+    Where a recording has none, they are made of it by filters that look ahead.
+    """
+
+    smooth: FloatArray  #: Smooth envelopes of TA, GL, SOL, GM, in the EMG's unit.
+    rate: FloatArray  #: Rate of change of the envelopes [per second].
+    smooth_rate: FloatArray  #: That of the smooth ones [per second].
+
+
+@filed(n="n", sparse=("films", "second", "own_envelopes", "rectified", "emg_lost", "effort"))
 @dataclass(frozen=True, slots=True, eq=False)
 class ModelInputs(Comparable):
     """Prepared signals of one recording, arrays read-only and of shape (n,) unless stated."""
@@ -81,6 +93,8 @@ class ModelInputs(Comparable):
     rectified: tuple[float, ...] = ()
     #: How far its EMG may be too small for the rate of the raw EMG, see `lost_to_rate`.
     emg_lost: float = 0.0
+    #: Its effort as a causal filter knows it; None: by `smooth_effort`, which looks ahead.
+    effort: Effort | None = None
 
     def __post_init__(self) -> None:
         """Make the mapping read-only; the arrays are made so by whoever prepares them."""

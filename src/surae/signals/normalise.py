@@ -214,6 +214,11 @@ def emg_levels(inputs: Sequence[ModelInputs]) -> tuple[float, float, float, floa
     return float(ta), float(gl), float(sol), float(gm)
 
 
+def smooth_effort_s() -> float:
+    """Standard deviation of the Gaussian of `smooth_effort` [s]."""
+    return float(np.sqrt(np.log(2.0)) / (2.0 * np.pi * _EFFORT_HZ))
+
+
 def smooth_effort(emg: FloatArray, rate_hz: float) -> FloatArray:
     """EMG envelopes, shape (4, n), as smooth as effort is: what a force may be curved over.
 
@@ -223,5 +228,5 @@ def smooth_effort(emg: FloatArray, rate_hz: float) -> FloatArray:
     """
     from scipy.ndimage import gaussian_filter1d
 
-    width = np.sqrt(np.log(2.0)) / (2.0 * np.pi * _EFFORT_HZ) * rate_hz
+    width = smooth_effort_s() * rate_hz
     return np.asarray(gaussian_filter1d(emg, width, axis=1, mode="nearest"))

@@ -126,6 +126,7 @@ def thinned(inputs: ModelInputs, factor: int) -> ModelInputs:
         time=read_only(inputs.time[chosen]),
         emg=read_only(emg),
         weight=None if weight is None else read_only(weight),
+        effort=None,
         second=tuple(mechanical[len(present) :]),
         steps=(*inputs.steps, Message("made/decimated", **told)),
     )
@@ -157,6 +158,7 @@ def sampled(inputs: ModelInputs, factor: int) -> ModelInputs:
         rate_hz=inputs.rate_hz / factor,
         emg=every(correlate1d(inputs.emg, around / factor, axis=0, mode="nearest")),
         second=tuple(map(every, inputs.second)),
+        effort=None,
     )
 
 

@@ -54,6 +54,8 @@ HELD = """(() => {
     return held(await json.call(this), new URL(this.url).pathname, this.ok);
   };
 })()"""
+#: When everybody was measured.
+DAY = "2026-03-04"
 #: Of a window.
 SIZE = {"width": 1280, "height": 800}
 _ADDRESS = re.compile(r"http://\S+?(?=/? )")
@@ -168,6 +170,7 @@ class Desk:
         page = self.go("/import")
         page.set_input_files("#files", path)
         page.get_by_text("As it will be imported").wait_for()
+        page.get_by_label("Day of the visit").fill(DAY)
         page.get_by_role("button", name="Import this recording").click()
         page.wait_for_url("**/recordings/*")
         return str(page.url.rsplit("/", 1)[-1])

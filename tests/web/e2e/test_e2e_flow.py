@@ -9,7 +9,7 @@ import pytest
 
 from surae.recording import write_csv
 
-from .conftest import MUSCLES, WHOLE, Desk, Server, expect
+from .conftest import DAY, MUSCLES, WHOLE, Desk, Server, expect
 
 PARAMETERS = 15
 
@@ -82,10 +82,53 @@ def test_the_trials_of_a_leg_come_in_at_once(desk: Desk, csv: Path, tmp_path: Pa
     page = desk.go("/import")
     page.set_input_files("#files", sorted(tmp_path.glob("*.csv"), reverse=True))
     page.get_by_text("The settings below apply to all").wait_for()
+    page.get_by_label("Day of the visit").fill(DAY)
     page.get_by_role("button", name="Import 2 recordings").click()
     page.get_by_role("link", name="walk a").first.wait_for()
     names = [one["name"] for one in desk.api("GET", "/api/recordings")["recordings"]]
     assert {"walk a", "walk b"} <= set(names)
+
+
+@pytest.mark.slow
+def test_who_was_left_behind_lends_nothing_to_the_next(
+    desk: Desk, csv: Path, tmp_path: Path
+) -> None:
+    """Files of a leg whose import was left, and those of another leg with the same names."""
+    legs = {who: tmp_path / f"{who} left 4 maart 2026" for who in ("S21", "S22")}
+    for folder in legs.values():
+        folder.mkdir()
+        for name in ("trial 2", "trial 10"):
+            (folder / f"{name}.csv").write_text(csv.read_text())
+    page = desk.go("/import")
+    page.set_input_files("#folder", legs["S21"])
+    page.get_by_text("2 trials found").wait_for()
+    assert page.get_by_label("Day of the visit").input_value() == "2026-03-04"
+    assert page.get_by_label("Subject").input_value() == "new:S21"
+    page.get_by_label("Day of the visit").fill("2026-01-01")
+    order = [page.locator("details.of-trial summary strong").nth(i) for i in (0, 1)]
+    expect(order[0]).to_have_text("trial 2.csv")  # as they are counted
+    expect(order[1]).to_have_text("trial 10.csv")
+
+    page.reload()
+    page.get_by_text("2 files are here from before").wait_for()
+    assert not page.locator("#uploads-card").is_visible()
+    page.set_input_files("#folder", legs["S22"])  # which is an answer, too
+    page.get_by_text("2 trials found").wait_for()
+    assert page.locator("#uploads li").count() == 2
+    assert page.get_by_label("Subject").input_value() == "new:S22"
+    assert page.get_by_label("Day of the visit").input_value() == "2026-03-04"
+
+    page.get_by_label("Day of the visit").fill("")
+    page.get_by_role("button", name="Import 2 recordings").click()
+    page.get_by_text("On which day was this measured?").wait_for()
+    page.get_by_role("button", name="It is not known").click()
+    page.get_by_role("button", name="Import 2 recordings").click()
+    page.get_by_role("link", name="trial 2").first.wait_for()
+    every = desk.api("GET", "/api/recordings")["recordings"]
+    mine = [one for one in every if one["name"].startswith(("trial 2", "trial 10"))]
+    assert [one["name"] for one in mine] == ["trial 2", "trial 10"]
+    assert {one["visit"] for one in mine} == {None}
+    assert len({one["subject"] for one in mine}) == 1
 
 
 @pytest.mark.slow  # in the fast suite test_web_recordings.py maps one without a browser
@@ -107,9 +150,11 @@ def test_a_mat_file_is_mapped_by_hand(desk: Desk, mat: Path) -> None:
         page.get_by_label("EMG is").select_option("envelope")
     page.get_by_text("As it will be imported").wait_for()
 
-    page.reload()  # what was chosen is still there
+    page.reload()  # what was chosen is still there, once somebody says that it is the same leg's
+    page.get_by_role("button", name="Go on with them").click()
     page.get_by_role("button", name="Sign of Torque: turned").wait_for()
     assert page.get_by_label("Unit of Angle", exact=True).input_value() == "deg"
+    page.get_by_label("Day of the visit").fill(DAY)
     page.get_by_role("button", name="Import this recording").click()
     page.wait_for_url("**/recordings/*")
 
@@ -134,6 +179,7 @@ def test_the_clock_of_a_film_is_told_with_its_columns(
         page.get_by_label(f"{label} {muscle}").fill(value)
         with page.expect_response("**/api/imports/preview"):
             page.get_by_label(f"{label} {muscle}").press("Tab")
+    page.get_by_label("Day of the visit").fill(DAY)
     page.get_by_role("button", name="Import this recording").click()
     page.wait_for_url("**/recordings/*")
     id_ = page.url.rsplit("/", 1)[-1]
@@ -310,6 +356,7 @@ def test_from_files_to_the_leg_are_two_clicks(desk: Desk, shared: Path) -> None:
     page.get_by_text("4 trials found, EMG of 1 muscle, both signs look turned.").wait_for()
     page.get_by_role("button", name="Turn both").click()
     page.get_by_text("4 trials found, EMG of 1 muscle.").wait_for()
+    page.get_by_label("Day of the visit").fill(DAY)
     page.get_by_role("button", name="Analyse").click()
     page.wait_for_url("**/sessions/*")
     page.get_by_text("How stiff is it?").wait_for()
@@ -335,6 +382,7 @@ def test_two_million_samples_are_zoomed_without_a_pause(desk: Desk, tmp_path: Pa
     page.get_by_label("Unit of Torque", exact=True).select_option("Nm")
     page.get_by_label("Unit of EMG soleus", exact=True).select_option("V")
     page.get_by_text("As it will be imported").wait_for()
+    page.get_by_label("Day of the visit").fill(DAY)
     page.get_by_role("button", name="Import this recording").click()
     page.wait_for_url("**/recordings/*")
     page.locator("#plots canvas").first.wait_for()

@@ -42,6 +42,8 @@ _LATER = "found afterwards"
 LEAD = f"heads lead in turn, the others at 0.4 (one fitted number, {_LATER})"
 EARLY = f"active from the first second ({_LATER})"
 SLOW = f"tau_rel of 0.9 s ({_LATER})"
+#: Table 2 calls ε0 a strain, the printed equations (20) and (21) take it in metres.
+STRAIN = "ε0 as a strain"
 #: Effort of the heads that do not lead, and the time constant that the thesis does not print [s].
 FOLLOWERS = 0.4
 SLOW_RELAXATION = 0.9
@@ -91,13 +93,14 @@ def fit_cell(**labels: Any) -> dict[str, Any] | None:
         leg = replace(leg, parameters={**leg.parameters, "tau_rel": SLOW_RELAXATION})
     rate = EXPLICIT_HZ if cell.explicit else RATE_HZ
     options = {"integrator": "explicit-euler"} if cell.explicit else {}
+    strain = {"tendon_strain": "slack-length"} if cell.reading == STRAIN else {}
     trajectory = motion(cell.profile, cell.task, cell.amplitude, cell.factor, rate, cell.reading)
-    inputs, torque = thesis_trial(leg, trajectory, cell.model, cell.repeat, **options)
+    inputs, torque = thesis_trial(leg, trajectory, cell.model, cell.repeat, **options, **strain)
     seed = cell.seed
     fit = (
         fit_explicit(inputs, cell.model)[0]
         if cell.explicit
-        else fit_trial(inputs, cell.model, 2, seed)
+        else fit_trial(inputs, cell.model, 2, seed, **strain)
     )
     if fit is None:
         return None
@@ -193,9 +196,11 @@ def with_noise(clean: ModelInputs, seed: Sequence[int]) -> tuple[ModelInputs, li
     return replace(clean, emg=emg, torque=torque), size
 
 
-def fit_trial(inputs: ModelInputs, model: str, starts: int, seed: int) -> dict[str, Any] | None:
+def fit_trial(
+    inputs: ModelInputs, model: str, starts: int, seed: int, **options: str
+) -> dict[str, Any] | None:
     """Fit by surae: VAF [%], IPDE, estimates, standard errors; None where it failed."""
-    problem = make_problem([inputs], FitSettings.of(model, starts=starts, seed=seed))
+    problem = make_problem([inputs], FitSettings.of(model, starts=starts, seed=seed, **options))
     result = solve(problem)
     if result.status == "failed":
         return None

@@ -48,6 +48,7 @@ CLASSES = {
     "holds with the thesis's integrator": "partly",
     "same direction, smaller": "partly",
     "calibrated": "unchecked",
+    "not tested by this": "unchecked",
     "cannot be checked": "unchecked",
 }
 _TITLE = "The thesis’s results, computed again"
@@ -80,7 +81,9 @@ def document(context: Context, there: Chapters) -> Document:
             "Each claim has the thesis's sentence and a numeric rule for when it holds, printed "
             "with it. The first column that it is judged in is how we read the thesis, and "
             "decides; the others show, ✓ where it holds, what another reading or the thesis's "
-            "integrator changes. What is random has one seed, which was not chosen for its results."
+            "integrator changes. What could not have come out otherwise, or what chance decides, "
+            "is not tested by this, and counts for nothing. What is random has one seed, which was "
+            "not chosen for its results."
         ),
         Points("", tuple(contents), links=tuple(section.name for section, _ in there)),
     )

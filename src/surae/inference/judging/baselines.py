@@ -1,6 +1,7 @@
 """What is predicted of a recording without any model: beside these a prediction is worth something.
 
-A share of the variance says little of a torque that any mean of other strides follows as well.
+A share of the variance says little of a torque that the mean of other strides follows as well, or a
+regression that knows no muscle.
 """
 
 from collections.abc import Sequence
@@ -11,23 +12,42 @@ import numpy as np
 from surae.base.units import FloatArray
 from surae.inference.judging.goodness import counted, vaf
 from surae.signals import ModelInputs
+from surae.signals.cycles import find_cycles
 
 #: Part of the angle's variance that the mean movement of others must explain to be the same one.
 _SAME = 0.9
 #: Delays of the EMG that a regression is given [s].
-_LAGS = (0.0, 0.04, 0.08, 0.12)
-#: Penalties that are tried, in parts of the largest eigenvalue.
-_PENALTIES = np.logspace(-8.0, 0.0, 17)
+_LAGS = (0.0, 0.04, 0.08, 0.12, 0.16, 0.2)
+#: Penalties that are tried, in parts of the mean square of a feature.
+_PENALTIES = np.logspace(-8.0, 1.0, 19)
 #: Samples that a regression learns from, about.
 _SAMPLES = 4000
+#: Parts of a single trial, one of which is left out at a time.
+_PARTS = 4
+
+#: Why there is nothing to compare with.
+OWN = "it is a recording of the fit"
+NO_OTHERS = "the fit has no other recording with a torque"
+NOT_CYCLIC = "the movement is not that of the fit’s recordings, cycle by cycle or as a whole"
+TOO_FEW = "the fit’s recordings have too few samples, or nothing in them changes"
 
 
 @dataclass(frozen=True, slots=True)
 class Baselines:
     """Variance accounted for by what knows no muscle [%]; None where there is nothing to go by."""
 
-    template: float | None = None  #: Mean torque of other recordings of the same movement.
+    template: float | None = None  #: Mean torque of other recordings at the same phase.
     ridge: float | None = None  #: Regression on angle, speed and delayed EMG of others.
+    #: `template_reason`, `ridge_reason`: why there is none; empty where there is one, or where it
+    #: was not asked.
+    template_reason: str = ""
+    ridge_reason: str = ""
+
+    @property
+    def best(self) -> float | None:
+        """The better of both [%]."""
+        there = [share for share in (self.template, self.ridge) if share is not None]
+        return max(there, default=None)
 
 
 def baselines(others: Sequence[ModelInputs], recording: ModelInputs) -> Baselines:
@@ -41,11 +61,18 @@ def baselines(others: Sequence[ModelInputs], recording: ModelInputs) -> Baseline
         With its torque; nothing is told where it is one of the others.
     """
     learned = [each for each in others if each.torque is not None]
-    if not learned or recording.torque is None or recording in learned:
-        return Baselines()
-    ridge = _ridge(learned, recording)
-    by_regression = None if ridge is None else _vaf(recording, ridge)
-    return Baselines(_template(learned, recording), by_regression)
+    if recording in learned:
+        return Baselines(template_reason=OWN, ridge_reason=OWN)
+    if not learned or recording.torque is None:
+        return Baselines(template_reason=NO_OTHERS, ridge_reason=NO_OTHERS)
+    template = template_torque(learned, recording)
+    ridge = ridge_torque(learned, recording)
+    return Baselines(
+        None if template is None else _vaf(recording, template),
+        None if ridge is None else _vaf(recording, ridge),
+        NOT_CYCLIC if template is None else "",
+        TOO_FEW if ridge is None else "",
+    )
 
 
 def _vaf(recording: ModelInputs, torque: FloatArray) -> float:
@@ -53,47 +80,126 @@ def _vaf(recording: ModelInputs, torque: FloatArray) -> float:
     return vaf(*counted(recording, recording.torque - torque))
 
 
-def _template(others: Sequence[ModelInputs], recording: ModelInputs) -> float | None:
-    """The mean torque of the same movement, each from its beginning to its end."""
-    place = _part(recording)
-    movement = np.mean([np.interp(place, _part(each), each.angle) for each in others], axis=0)
-    away = recording.angle - recording.angle.mean()
-    missed = recording.angle - movement
-    if not np.sum((missed - missed.mean()) ** 2) <= (1.0 - _SAME) * float(away @ away):
-        return None
-    torques = [np.interp(place, _part(e), e.torque) for e in others if e.torque is not None]
-    return _vaf(recording, np.mean(torques, axis=0))
+def template_torque(others: Sequence[ModelInputs], recording: ModelInputs) -> FloatArray | None:
+    """The mean torque of others at the same phase [Nm], shape (n,).
+
+    Phase is that within a cycle where all of them repeat themselves, else the part of the
+    recording. None where the mean angle at the same phase is another movement.
+    """
+    for phase_of in (_of_cycle, _of_whole):
+        own = phase_of(recording)
+        phases = [phase_of(each) for each in others]
+        if own is None or any(phase is None for phase in phases):
+            continue
+        angle, torque = (
+            _mean_at(own, phases, [getattr(each, name) for each in others])
+            for name in ("angle", "torque")
+        )
+        away = recording.angle - recording.angle.mean()
+        missed = recording.angle - angle
+        if np.sum((missed - missed.mean()) ** 2) <= (1.0 - _SAME) * float(away @ away):
+            return torque
+    return None
 
 
-def _part(recording: ModelInputs) -> FloatArray:
+#: Points of a phase at which others are averaged.
+_POINTS = 201
+
+
+def _of_whole(recording: ModelInputs) -> FloatArray | None:
     """Time as a part of the recording, 0 … 1, shape (n,)."""
     time = recording.time - recording.time[0]
     return np.asarray(time / max(float(time[-1]), 1e-12))
 
 
-def _ridge(others: Sequence[ModelInputs], recording: ModelInputs) -> FloatArray | None:
-    """The torque by a penalised regression whose penalty is chosen by cross-validation (GCV)."""
-    X = np.concatenate([_features(each)[each.counts] for each in others])
-    y = np.concatenate([each.torque[each.counts] for each in others if each.torque is not None])
-    step = max(len(y) // _SAMPLES, 1)
-    X, y = X[::step], y[::step]
+def _of_cycle(recording: ModelInputs) -> FloatArray | None:
+    """Part of the cycle, shape (n,), NaN outside of one; None where nothing repeats itself."""
+    cycles = find_cycles(recording.angle, recording.rate_hz, recording.counts)
+    if cycles is None:
+        return None
+    phase = np.full(recording.n, np.nan)
+    for first, past in cycles.spans:
+        phase[first:past] = np.arange(past - first) / (past - first)
+    # what is before the first and after the last goes on as the cycle beside it
+    (first, past) = cycles.spans[0]
+    before = np.arange(first)
+    phase[:first] = ((before - first) / (past - first)) % 1.0
+    (first, past) = cycles.spans[-1]
+    after = np.arange(past, recording.n)
+    phase[past:] = ((after - past) / (past - first)) % 1.0
+    known = ~np.isnan(phase)
+    at = np.arange(recording.n)
+    return np.where(known, phase, np.interp(at, at[known], phase[known]))
+
+
+def _mean_at(
+    own: FloatArray, phases: Sequence[FloatArray | None], signals: Sequence[FloatArray]
+) -> FloatArray:
+    """The mean of others' signals at phases, shape (n,); each of them counts alike."""
+    edges = np.linspace(0.0, 1.0, _POINTS)
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    means = []
+    for phase, signal in zip(phases, signals, strict=True):
+        assert phase is not None
+        bins = np.clip(np.searchsorted(edges, phase, side="right") - 1, 0, len(middle) - 1)
+        count = np.bincount(bins, minlength=len(middle))
+        total = np.bincount(bins, weights=signal, minlength=len(middle))
+        there = count > 0
+        means.append(np.interp(middle, middle[there], total[there] / count[there]))
+    return np.asarray(np.interp(own, middle, np.mean(means, axis=0)))
+
+
+def ridge_torque(others: Sequence[ModelInputs], recording: ModelInputs) -> FloatArray | None:
+    """The torque by a ridge regression [Nm], its penalty chosen by leaving out a trial at a time.
+
+    Of a single trial a quarter is left out at a time. None where there is too little to learn from.
+    """
+    parts = _parts(others)
+    X = np.concatenate([x for x, _ in parts])
+    y = np.concatenate([torque for _, torque in parts])
     mean, sd = X.mean(axis=0), X.std(axis=0)
     varies = sd > 1e-9 * max(float(sd.max()), 1e-12)
     if len(y) <= X.shape[1] or not varies.any():
         return None
     mean, sd = mean[varies], sd[varies]
-    u, s, vt = np.linalg.svd((X[:, varies] - mean) / sd, full_matrices=False)
-    along = u.T @ (y - y.mean())
-    outside = float(np.sum((y - y.mean()) ** 2) - along @ along)
+    level = float(y.mean())
+    products = []
+    for x, torque in parts:
+        z = np.column_stack([(x[:, varies] - mean) / sd, np.ones(len(x))])
+        products.append((z.T @ z, z.T @ (torque - level), z, torque - level))
+    gram = np.sum([each[0] for each in products], axis=0)
+    along = np.sum([each[1] for each in products], axis=0)
 
     def score(penalty: float) -> float:
-        shrunk = s**2 / (s**2 + penalty)
-        missed = outside + float(np.sum(((1.0 - shrunk) * along) ** 2))
-        return missed / (1.0 - (float(shrunk.sum()) + 1.0) / len(y)) ** 2
+        missed = 0.0
+        for own, by, z, torque in products:
+            weights = _solved(gram - own, along - by, penalty * (len(y) - len(torque)))
+            missed += float(np.sum((torque - z @ weights) ** 2))
+        return missed
 
-    best = min(_PENALTIES * float(s[0] ** 2), key=score)
-    weights = vt.T @ (s / (s**2 + best) * along)
-    return np.asarray(y.mean() + (_features(recording)[:, varies] - mean) / sd @ weights)
+    weights = _solved(gram, along, min(_PENALTIES, key=score) * len(y))
+    features = (_features(recording)[:, varies] - mean) / sd
+    return np.asarray(level + features @ weights[:-1] + weights[-1])
+
+
+def _parts(others: Sequence[ModelInputs]) -> list[tuple[FloatArray, FloatArray]]:
+    """Features and torque of each trial, or of the parts of a single one."""
+    step = max(sum(each.counted for each in others) // _SAMPLES, 1)
+    made = []
+    for each in others:
+        assert each.torque is not None
+        made.append((_features(each)[each.counts][::step], each.torque[each.counts][::step]))
+    if len(made) > 1:
+        return made
+    (x, y), *_ = made
+    return list(zip(np.array_split(x, _PARTS), np.array_split(y, _PARTS), strict=True))
+
+
+def _solved(gram: FloatArray, along: FloatArray, penalty: float) -> FloatArray:
+    """Weights of standardised features, which are penalised, and of the level, which is not."""
+    held = np.full(len(gram), penalty)
+    held[-1] = 1e-9 * max(float(gram[-1, -1]), 1.0)
+    return np.asarray(np.linalg.lstsq(gram + np.diag(held), along, rcond=None)[0])
 
 
 def _features(recording: ModelInputs) -> FloatArray:

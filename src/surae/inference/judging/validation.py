@@ -1,7 +1,7 @@
 """Parameters of some recordings tried on others (thesis 2.7)."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from surae.inference.judging.adequacy import Adequacy, judge_prediction
 from surae.inference.judging.baselines import Baselines, baselines
 from surae.inference.judging.fascicles import Fascicles, followed
 from surae.inference.judging.goodness import counted, rmse, vaf
+from surae.inference.judging.other_movement import averaged
 from surae.inference.judging.predicted import TorqueDoubt, torque_doubt
 from surae.inference.uncertainty.combined import Uncertainty
 from surae.model import check_finite_torque
@@ -44,6 +45,9 @@ class Prediction(Comparable):
     #: What the fit's recordings predict of it without a model.
     baselines: Baselines = field(default_factory=Baselines)
     fascicles: tuple[Fascicles, ...] = ()  #: Filmed lengths, measured and predicted.
+    #: Part of the torque that is the simplest member's, 0 … 1: of a family's fit, where the
+    #: movement is not the fit's.
+    simplest: float = 0.0
 
     def __repr__(self) -> str:
         judged = "" if self.adequacy is None else f"{self.adequacy.grade}, "
@@ -120,8 +124,14 @@ def predict_others(
         with np.errstate(over="ignore", invalid="ignore"):  # refused below
             torque = spec.simulator(recording, options).torque(vector)
         check_finite_torque(torque, recording)
+        other = averaged(result, recording, torque)
+        if other is not None:
+            torque = other.torque
         measured, residual = counted(recording, recording.torque - torque)
         doubt = None if known is None else torque_doubt(result, known, recording)
+        if doubt is not None and other is not None:
+            rows = np.vstack([doubt.rows, other.row[recording.counts]])
+            doubt = replace(doubt, rows=rows)
         judged = None
         if doubt is not None:
             judged = judge_prediction(doubt, recording, options.anatomy, measured, residual)
@@ -140,6 +150,7 @@ def predict_others(
                 judged,
                 Baselines() if known is None else baselines(problem.inputs, recording),
                 followed(spec, options, result.values, recording),
+                0.0 if other is None else other.share,
             )
         )
     return tuple(predictions)

@@ -83,6 +83,9 @@ def _result(family: Family, progress: SearchProgress | None) -> FitResult:
     rests = chosen.moved < RESTS
     outcome = str(Outcome.CONVERGED if rests else Outcome.ITERATIONS)
     result = summed(chosen, family, met, stages, outcome)
+    if result.posterior is not None:
+        with_plain = replace(result.posterior, simplest=FrozenDict(plain))
+        result = replace(result, solution=with_plain)
     if family.original.options.tissue is not None:
         result = replace(result, message=Message("ended/rest-tissue", message=result.message))
     if not rests:

@@ -4,7 +4,8 @@ Every stream is a set of columns ``stream: channel``. Clocks are synchronised by
 from the earliest sample of all streams. Regular streams get a uniform time axis by least squares
 over their stamps, which jitter with the network; where samples are missing it has a gap, which a
 check then finds, and where no such axis fits the stamps, the stream is refused. Irregular streams
-keep their stamps; streams of words are left out. What pyxdf skips with a message in its log, or
+keep their stamps; streams of words are left out, and the target that surae itself sends, which is
+no measurement. What pyxdf skips with a message in its log, or
 fills with the sample before where the file ends early, is refused.
 """
 
@@ -21,6 +22,7 @@ import numpy as np
 
 from surae.base.cleaning import cleaned
 from surae.base.errors import InputError
+from surae.base.names import TARGET_SOURCE
 from surae.base.units import FloatArray
 from surae.recording.programs.foreign import Parsed, foreign_table, optional, packed
 from surae.recording.source import Source
@@ -62,7 +64,7 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
         streams = [
             (stream, np.asarray(stream["time_series"]), np.asarray(stream["time_stamps"]))
             for stream in _loaded(pyxdf, data, shown)
-            if stream["info"]["channel_format"][0] != "string" and len(stream["time_stamps"]) > 1
+            if _is_measured(stream["info"]) and len(stream["time_stamps"]) > 1
         ]
         if not streams:
             raise InputError(f"{shown}: no stream of numbers with samples in it")
@@ -106,6 +108,12 @@ def _loaded(pyxdf: Any, data: bytes, shown: str) -> list[Any]:
     if complaints.buffer:
         raise InputError(f"{shown}: the file is damaged: some of its samples are unreadable")
     return list(streams)
+
+
+def _is_measured(info: Mapping[str, Any]) -> bool:
+    """Whether a stream has numbers of somebody else: not what was asked for."""
+    words = info["channel_format"][0] == "string"
+    return not words and _text(info.get("source_id")) != TARGET_SOURCE
 
 
 def _columns(

@@ -10,8 +10,6 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
-import numpy as np
-
 from surae.base.files import PathLike, write_atomic
 from surae.base.units import FloatArray
 from surae.base.working_folder import ignoring
@@ -39,7 +37,6 @@ __all__ = [
     "align",
     "data_url",
     "dress",
-    "dress_degrees",
     "heading",
     "legend",
     "new_figure",
@@ -122,14 +119,6 @@ def dress(axes: Axes, ylabel: str, xlabel: str = "", *, grid: bool = True) -> No
     if grid:
         axes.grid(visible=True, color=GRID, linewidth=0.6)
         axes.set_axisbelow(True)
-
-
-def dress_degrees(axes: Axes) -> None:
-    """Give an axis of angles in rad a second one in degrees, at the right."""
-    degrees = axes.secondary_yaxis("right", functions=(np.degrees, np.radians))
-    degrees.set_ylabel("Angle [°]", fontsize=9, color=INK)
-    degrees.tick_params(labelsize=8, color=MUTED, labelcolor=INK, length=3, width=0.7)
-    degrees.spines["right"].set(color=MUTED, linewidth=0.7)
 
 
 def heading(axes: Axes, text: str, pad: float | None = None) -> None:

@@ -4,7 +4,7 @@ import numpy as np
 
 from surae.inference.relaxed.curve import RelaxedCurve
 from surae.inference.relaxed.pair import paired_legs
-from surae.measures.change import Change
+from surae.measures.change.result import Change
 from surae.report.figures import BLUE, GREY, INK, MUTED, Figure, dress, new_figure
 from surae.report.figures.leg import CARD_WIDTH
 from surae.report.language import Words

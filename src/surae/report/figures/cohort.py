@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from surae.base.normal import NORMAL
-from surae.cohorts.pooled import PooledQuantity
+from surae.cohorts.quantity import PooledQuantity
 from surae.report import figures
 from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED, Axes, Figure
 

@@ -27,12 +27,15 @@ def stiffness_figure(
     norms: Sequence[tuple[Norm, float]],
     own: Sequence[tuple[float, Measure]],
     _: Words,
+    *,
+    width: float = CARD_WIDTH,
+    height: float = 2.9,
 ) -> Figure:
     """Measured torque [Nm] of a relaxed ankle over its angle, the model over it, norms behind.
 
     `own` is the leg's measure at the angle of each norm, the same quantity.
     """
-    figure = new_figure(2.9, width=CARD_WIDTH)
+    figure = new_figure(height, width=width)
     axes = figure.subplots()
     drawn: list[FloatArray] = []
     for number, (norm, at) in enumerate(norms):

@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -34,24 +35,23 @@ def protocol_figure(trajectory: Trajectory) -> Figure:
 
 
 def _angle(axes: Axes, trajectory: Trajectory) -> None:
-    figures.dress(axes, "Angle [rad]")
+    figures.dress(axes, "Angle [°]")
     settings = trajectory.settings
     figures.heading(axes, f"{settings.profile}, ankle angle, dorsiflexion positive")
     for end in settings.angle_range:
-        axes.axhline(end, color=GREY, linewidth=0.9, linestyle=(0, (4, 2)))
-    figures.trace(axes, trajectory.time, trajectory.angle, color=INK, linewidth=0.9)
-    figures.dress_degrees(axes)
+        axes.axhline(math.degrees(end), color=GREY, linewidth=0.9, linestyle=(0, (4, 2)))
+    figures.trace(axes, trajectory.time, np.degrees(trajectory.angle), color=INK, linewidth=0.9)
 
 
 def _velocity(axes: Axes, trajectory: Trajectory) -> None:
-    figures.dress(axes, "Velocity\n[rad/s]")
+    figures.dress(axes, "Velocity\n[°/s]")
     figures.heading(axes, "Angular velocity")
-    figures.trace(axes, trajectory.time, trajectory.velocity, color=INK, linewidth=0.7)
+    figures.trace(axes, trajectory.time, np.degrees(trajectory.velocity), color=INK, linewidth=0.7)
     device = trajectory.settings.device
     if device is not None and math.isfinite(device.max_velocity):
         for sign in (1.0, -1.0):
             axes.axhline(
-                sign * device.max_velocity,
+                sign * math.degrees(device.max_velocity),
                 color=OCHRE,
                 linewidth=1.3,
                 linestyle=(0, (5, 2)),

@@ -23,9 +23,10 @@ def relaxed_figure(
     *,
     behind: Sequence[Norm] = (),
     width: float = 6.4,
+    height: float = 3.6,
 ) -> Figure:
     """The figure of a relaxed leg, groups `behind` it by their torque in a slow stretch."""
-    figure = new_figure(3.6, width=width)
+    figure = new_figure(height, width=width)
     axes = figure.subplots()
     _draw_norms(axes, curve, measures, behind, _)
     draw_relaxed(axes, curve, measures, _)

@@ -4,23 +4,30 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from surae.base.formatting import percentage
-from surae.base.units import FloatArray
+from surae.base.units import FloatArray, on_page
 from surae.inference import FitResult, Prediction
 from surae.recording import MUSCLES
 from surae.report import figures
-from surae.report.cycles import Cycles, find_cycles
 from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED, WIDTH
 from surae.report.provenance import excluded_spans
-from surae.report.traces import Traces, traces_of
+from surae.report.traces import PARTS, Traces, traces_of
+from surae.signals.cycles import Cycles, find_cycles
 
-__all__ = ["draw_parts", "draw_torque", "fit_figure", "predictions_figure", "torque_figure"]
+__all__ = [
+    "draw_angle",
+    "draw_parts",
+    "draw_torque",
+    "fit_figure",
+    "predictions_figure",
+    "shown_span",
+    "torque_figure",
+]
 
-#: Units of EMG in volts: the largest signal [V] from which each is used, and how many make a volt.
-_VOLTS = ((0.1, 1.0, "V"), (2e-3, 1e3, "mV"), (0.0, 1e6, "µV"))
 #: Heights [inch] of a strip of EMG, the angle, a panel of torque, and of what surrounds them.
 _STRIP = 0.52
 _ANGLE = 1.35
@@ -61,10 +68,10 @@ def torque_figure(traces: Traces, *, width: float = WIDTH, figure: Figure | None
     )
     rows: list[_Row] = [tuple(row) for row in grid]
     _emg(rows[: len(muscles)], traces, muscles, cycles)
-    _angle(rows[-3], traces, cycles)
+    draw_angle(rows[-3], traces, cycles)
     draw_torque(rows[-2], traces, cycles)
     draw_parts(rows[-1], traces, cycles)
-    rows[-1][0].set_xlim(*_shown(traces, cycles))
+    rows[-1][0].set_xlim(*shown_span(traces, cycles))
     if cycles is not None and len(cycles.spans) > _SHOWN:
         rows[-1][0].set_xlabel(f"Time [s], {_SHOWN} of {len(cycles.spans)} cycles")
     if both and cycles is not None:
@@ -76,7 +83,8 @@ def torque_figure(traces: Traces, *, width: float = WIDTH, figure: Figure | None
     return figure
 
 
-def _shown(traces: Traces, cycles: Cycles | None) -> tuple[float, float]:
+def shown_span(traces: Traces, cycles: Cycles | None) -> tuple[float, float]:
+    """From when to when [s] to show: some cycles from the middle where there are many."""
     if cycles is None or len(cycles.spans) <= _SHOWN:
         return float(traces.time[0]), float(traces.time[-1])
     first = (len(cycles.spans) - _SHOWN) // 2
@@ -113,13 +121,9 @@ def _emg(
 ) -> None:
     if not rows:
         return
-    highest = float(traces.emg.max())
-    factor = 1.0
-    unit = "-"
-    if traces.emg_unit == "V":
-        factor, unit = next((f, u) for least, f, u in _VOLTS if highest >= least)
+    unit, factor = on_page(traces.emg_unit)
     signals = traces.emg * factor
-    highest = highest * factor or 1.0
+    highest = float(signals.max()) or 1.0
     for row, muscle in zip(rows, muscles, strict=True):
         _dress(row, "")
         row[0].set_ylim(0.0, 1.08 * highest)
@@ -142,15 +146,15 @@ def _emg(
         _draw(row, traces, cycles, signals[:, MUSCLES.index(muscle)], look)
     figures.heading(rows[0][0], "EMG, on one scale" if len(rows) > 1 else "EMG")
     rows[(len(rows) - 1) // 2][0].set_ylabel(
-        f"EMG [{unit}]", fontsize=9, color=INK, y=0.5 * (len(rows) % 2)
+        f"EMG [{unit}]" if unit == "mV" else "EMG", fontsize=9, color=INK, y=0.5 * (len(rows) % 2)
     )
 
 
-def _angle(row: _Row, traces: Traces, cycles: Cycles | None) -> None:
-    _dress(row, "Angle [rad]")
+def draw_angle(row: _Row, traces: Traces, cycles: Cycles | None = None) -> None:
+    """The angle [°] against time, and over the cycle where there is a column."""
+    _dress(row, "Angle [°]")
     figures.heading(row[0], traces.joint.worded("Ankle angle, dorsiflexion positive"))
-    _draw(row, traces, cycles, traces.angle, {"color": INK, "linewidth": 1.1})
-    figures.dress_degrees(row[-1])
+    _draw(row, traces, cycles, np.degrees(traces.angle), {"color": INK, "linewidth": 1.1})
 
 
 def draw_torque(row: _Row, traces: Traces, cycles: Cycles | None = None) -> None:
@@ -174,12 +178,12 @@ def draw_parts(row: _Row, traces: Traces, cycles: Cycles | None = None) -> None:
         ("inertial", {"color": INK, "linewidth": 1.0, "linestyle": (0, (1, 1.2))}),
         ("gravitational", {"color": OCHRE, "linewidth": 1.5, "linestyle": (0, (5, 2))}),
     ]
-    if parts.reflex is not None:  # within the neural part, not beside it
+    if parts.reflex is not None:  # within what the muscles add, not beside it
         looks.append(("reflex", {"color": INK, "linewidth": 1.2, "linestyle": (0, (4, 1, 1, 1))}))
     if parts.zero is not None:
         looks.append(("zero", {"color": MUTED, "linewidth": 2.0, "linestyle": (0, (2, 3))}))
     for name, look in looks:
-        _draw(row, traces, cycles, getattr(parts, name), look, name)
+        _draw(row, traces, cycles, getattr(parts, name), look, PARTS.get(name, name))
     figures.legend(row[0], len(looks))
 
 

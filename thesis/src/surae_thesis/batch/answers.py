@@ -40,7 +40,9 @@ class Outcomes:
     @property
     def protocols(self) -> list[str]:
         """Protocols, in the order of their names."""
-        return list(dict.fromkeys(lb["protocol"] for lb, _ in self.every if lb["kind"] == "trial"))
+        return list(
+            dict.fromkeys(lb["protocol"] for lb, _ in self.every if lb["kind"] in ("trial", "fit"))
+        )
 
     def vaf(self, way: str, protocol: str) -> dict[Key, float]:
         """VAF of the fits [%]."""

@@ -4,17 +4,20 @@ import json
 import time
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from surae import api
 from surae.base.errors import ComputationError, InputError
-from surae.base.files import shown, write_table
+from surae.base.files import shown
 from surae.cli.options import DASK, MAPPING, corrections, settings_options, workers_option
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.screen import show_line, show_table
+
+if TYPE_CHECKING:
+    from surae_thesis.batch import table
 
 #: The models of the thesis.
 _MODELS = "1.0,2.0,2.1,2.2"
@@ -44,9 +47,25 @@ _MODELS = "1.0,2.0,2.1,2.2"
     help="How paths are named, as {subject}/{protocol}-{repetition}.  "
     "[default: subject first, repetition last, between / or _]",
 )
+@click.option(
+    "--only",
+    type=click.Choice(["spectra", "snsem"]),
+    default="",
+    help="Spectra of repetitions, without a fit; or fits and snSEM, without predictions.",
+)
 @settings_options(*api.FIT_RECORDS[:-1])
 @click.option("--store", required=True, metavar="B.db", help="Keeps every finished fit.")
 @click.option("--output", required=True, metavar="OUT/", help="Folder of tables and page.")
+@click.option(
+    "--keep",
+    metavar="FITS/|URL",
+    help="Where every FIT.json goes, as s3://bucket/fits too.  [default: OUT/fits]",
+)
+@click.option(
+    "--sessions",
+    is_flag=True,
+    help="Fit all recordings of a subject as one session: each, and all together.",
+)
 @workers_option("Fits", many="one for each core")
 @DASK
 def command(
@@ -55,8 +74,11 @@ def command(
     models: str,
     fixed_set: tuple[str, ...],
     name: str,
+    only: str,
     store: str,
     output: str,
+    keep: str | None,
+    sessions: bool,
     workers: int | None,
     dask: str | None,
     options: dict[str, Any],
@@ -66,13 +88,13 @@ def command(
 
     A file's name says whose it is, which protocol and which repetition, as S01_holds_2.mat or
     S01/holds_2.mat. The run may be stopped in any way and at any time: run it again and it goes on.
-    OUT/ then holds table.csv with a row for each fit, a summary by model and protocol, and a page
-    with the thesis's figures of this cohort.
+    OUT/ then holds table.csv with a row for each fit, its parameters and measures, relaxed.csv with
+    the relaxed curve of each recording, both as Parquet too where pyarrow is there, every FIT.json,
+    a summary by model and protocol, and a page with the thesis's figures of this cohort.
     """
-    from surae_thesis.batch import files, table
-    from surae_thesis.batch.answers import answers
+    from surae_thesis.batch import files, plan, table
+    from surae_thesis.batch.places import check_place
     from surae_thesis.section import make_folder
-    from surae_thesis.writers import write_result
 
     if "model" in options:
         raise InputError("--model names one; give --models, as --models 1.0,2.1,auto")
@@ -83,11 +105,16 @@ def command(
     check_outputs({"--store": store}, [])
     found = files.find_trials(recordings, mapping, name)
     read = {"mapping": mapping, "corrections": json.dumps(corrections, sort_keys=True)}
-    batch = table.Batch(found, settings, read)
+    place = check_place(keep or str(Path(output, "fits")))
+    if only and sessions:
+        raise InputError(f"--only {only} is of single recordings; leave out --sessions")
+    wanted = {} if only == "spectra" else settings
+    batch = plan.Batch(found, wanted, read, place=place, sessions=sessions, only=only)
     subjects, protocols = ({getattr(t, of) for t in found} for of in ("subject", "protocol"))
+    fits = len(subjects if sessions else found) * len(batch.settings)
     show_line(
         f"{len(found)} recordings of {len(subjects)} subjects, protocols: "
-        f"{', '.join(sorted(protocols))}; {len(found) * len(settings)} fits"
+        f"{', '.join(sorted(protocols))}; {fits} {'sessions' if sessions else 'fits'}"
     )
     begin = time.perf_counter()
     with table.BatchStore(store, write=True) as opened:
@@ -100,23 +127,42 @@ def command(
                 f"stopped by the user; {status.done:,} of {status.calls:,} are kept: run the same "
                 "command to go on"
             ) from None
-        outcomes = opened.outcomes()
-    show_line(f"all there; {now:,} computed now in {time.perf_counter() - begin:.0f} s")
-    columns, rows = table.table(outcomes)
-    every = [dict(zip(columns, row, strict=True)) for row in rows]
-    write_table(Path(output) / "table.csv", columns, every)
-    result = answers(outcomes)
-    summary = result.tables[0]
-    show_table(
-        summary.columns[:7],
-        [
-            tuple(
-                "–" if c is None else f"{c:.1f}" if isinstance(c, float) else str(c) for c in r[:7]
-            )
-            for r in summary.rows
-        ],
+        show_line(f"all there; {now:,} computed now in {time.perf_counter() - begin:.0f} s")
+        worked = _written(opened, Path(output), sessions=sessions, only=only)
+    if not worked:
+        raise ComputationError("every fit failed, so the batch says nothing; the tables say why")
+
+
+def _written(opened: "table.BatchStore", output: Path, *, sessions: bool, only: str) -> bool:
+    """Write all tables and the page; whether any fit did not fail."""
+    from surae_thesis.batch import pieces, table
+    from surae_thesis.batch.answers import answers
+    from surae_thesis.writers import write_result
+
+    columns = table.fit_columns(opened.outcomes())
+    pieces.write_pieces(
+        output, "table", columns, lambda: table.fit_rows(opened.outcomes(), columns)
     )
-    show_line(f"page: {shown(write_result(Path(output), 'batch', 'A cohort, fitted', result))}")
-    show_line(f"table: {shown(Path(output) / 'table.csv')}")
-    if all(fit.get("failed") for label, fit in outcomes if label["kind"] == "fit"):
-        raise ComputationError("every fit failed, so the batch says nothing; the page has reasons")
+    worked = only == "spectra"
+    if not worked:
+        failed = columns.index("status")
+        worked = any(row[failed] != "failed" for row in table.fit_rows(opened.outcomes(), columns))
+    if not sessions:
+        curves = lambda: table.relaxed_rows(opened.outcomes())  # noqa: E731
+        pieces.write_pieces(output, "relaxed", table.RELAXED, curves)
+        result = answers(list(opened.outcomes()))
+        summary = result.tables[0]
+        if only == "spectra":
+            summary = next(t for t in result.tables if t.name == "batch-repetitions")
+        show_table(summary.columns[:7], [tuple(map(_cell, row[:7])) for row in summary.rows])
+        page = write_result(output, "batch", "A cohort, fitted", result)
+        show_line(f"page: {shown(page)}")
+    show_line(f"table: {shown(output / 'table.csv')}")
+    return worked
+
+
+def _cell(value: object) -> str:
+    """A number of the summary, in a few digits."""
+    if value is None:
+        return "–"
+    return f"{value:.1f}" if isinstance(value, float) else str(value)

@@ -1,70 +1,21 @@
-"""What a batch computes, the file that keeps every outcome at once, and its table."""
+"""The file that keeps every outcome of a batch at once, its run, and its tables."""
 
 import hashlib
-import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from surae import FitSettings
 from surae.base.errors import InputError
-from surae.base.records import to_plain
 from surae.processes.ledger import Ledger
 from surae.processes.runner import Died, Engine, results
 from surae.studies import fingerprint
-from surae_thesis.batch.files import NamedTrial, content_of
-from surae_thesis.batch.work import Plain, Where
+from surae_thesis.batch.files import content_of
+from surae_thesis.batch.plan import Batch, Calls, text_of
+from surae_thesis.batch.work import Plain
 from surae_thesis.cohort.work import MODELS
 from surae_thesis.section import Cell
 
-#: Virtual legs whose simulations a standard error is compared with, as many trials as there are.
-LEGS = 6
 _WORK = "surae_thesis.batch.work"
-
-
-@dataclass(frozen=True, slots=True)
-class Batch:
-    """Which recordings are fitted, by what; `read` says how they are read (mapping, corrections).
-
-    Settings are by the model's name as it was given, then by what was fixed, in words.
-    """
-
-    trials: tuple[NamedTrial, ...]
-    settings: Mapping[tuple[str, str], FitSettings]
-    read: Mapping[str, Any]
-
-    def where(self, trial: NamedTrial) -> Where:
-        """How a recording is read."""
-        return {"path": trial.path, **self.read}
-
-    def calls(self) -> Iterator[tuple[Plain, str, Plain]]:
-        """Label, function and keywords of everything that is computed, subject by subject."""
-        first: dict[str, list[NamedTrial]] = {}
-        for trial in self.trials:
-            if trial.repetition == min(t.repetition for t in self._of(trial) if _same(t, trial)):
-                first.setdefault(trial.protocol, []).append(trial)
-            about = asdict(trial)
-            yield {"kind": "trial", **about}, "trial_job", {"where": self.where(trial)}
-            others = {t.name: self.where(t) for t in self._of(trial) if t != trial}
-            for (model, fixed), settings in self.settings.items():
-                label = {"kind": "fit", **about, "model": model, "fixed": fixed}
-                given = {"settings": to_plain(settings), "others": others}
-                yield label, "fit_job", {"where": self.where(trial), **given}
-        for protocol, several in first.items():
-            for model, settings in {m: s for (m, _), s in self.settings.items()}.items():
-                if settings.model not in MODELS.values():
-                    continue
-                for leg, trial in enumerate(several[:LEGS]):
-                    label = {"kind": "simulation", "protocol": protocol, "model": model, "leg": leg}
-                    given = {"settings": {"model": settings.model}, "leg": leg}
-                    yield label, "simulation_job", {"where": self.where(trial), **given}
-
-    def _of(self, trial: NamedTrial) -> list[NamedTrial]:
-        return [each for each in self.trials if each.subject == trial.subject]
-
-
-def _same(one: NamedTrial, other: NamedTrial) -> bool:
-    return one.protocol == other.protocol
 
 
 class BatchStore(Ledger):
@@ -75,12 +26,10 @@ class BatchStore(Ledger):
     def _reason(self, value: Any) -> str | None:
         return None if value.get("failed") is None else str(value["failed"])
 
-    def outcomes(self) -> list[tuple[Plain, Plain]]:
+    def outcomes(self) -> Iterator[tuple[Plain, Plain]]:
         """Label and outcome of all that is there; of a call whose worker died, why it failed."""
-        return [
-            (label, {"failed": value.message} if isinstance(value, Died) else value)
-            for label, value in self.results()
-        ]
+        for label, value in self.results():
+            yield label, {"failed": value.message} if isinstance(value, Died) else value
 
 
 def settings_of(
@@ -125,55 +74,83 @@ def run_batch(
     program = fingerprint()
     content = {t.path: content_of(t.path, mapping) for t in batch.trials}
     labels = []
-    calls = {}
-    for label, function, keywords in batch.calls():
-        paths = [
-            keywords["where"]["path"],
-            *(o["path"] for o in keywords.get("others", {}).values()),
-        ]
-        text = json.dumps([program, function, keywords, *(content[path] for path in paths)])
-        key = hashlib.sha256(text.encode()).hexdigest()
-        labels.append((key, label))
-        calls[key] = (function, keywords)
+    for label in batch.labels():
+        text = text_of(batch, label, content, program)
+        labels.append((hashlib.sha256(text.encode()).hexdigest(), label))
     done = store.begin("batch", "batch", "", labels)
-    rest = {k: {"function": f, "keywords": w} for k, (f, w) in calls.items() if k not in done}
+    rest = Calls(batch, {key: label for key, label in labels if key not in done})
     return store.keep(results(f"{_WORK}:call", rest, engine), progress)
 
 
 #: Columns of the table of fits before the parameters'.
 _ABOUT = ("subject", "protocol", "repetition", "model", "fixed")
 _FIT = ("status", "grade", "vaf", "r2", "ipde", "validation_vaf")
+#: What there is of a parameter and of a measure, after their names.
+_PARAMETER = ("", "_sem", "_low", "_high", "_verdict")
+_MEASURE = ("", "_low", "_high", "_verdict")
+#: Columns of the relaxed curves.
+RELAXED = (
+    "subject",
+    "protocol",
+    "repetition",
+    "angle_deg",
+    "torque_Nm",
+    "torque_sd_Nm",
+    "stiffness_Nm_per_deg",
+    "stiffness_sd_Nm_per_deg",
+)
+Outcome = tuple[Plain, Plain]
+_FITS = ("fit", "session")
 
 
-def table(
-    outcomes: Sequence[tuple[Plain, Plain]],
-) -> tuple[tuple[str, ...], list[tuple[Cell, ...]]]:
-    """A row for each fit: whose it is, how good, every parameter with its standard error.
+def table(outcomes: Sequence[Outcome]) -> tuple[tuple[str, ...], list[tuple[Cell, ...]]]:
+    """A row for each fit, and the columns; see `fit_rows`."""
+    columns = fit_columns(outcomes)
+    return columns, list(fit_rows(outcomes, columns))
+
+
+def fit_columns(outcomes: Iterable[Outcome]) -> tuple[str, ...]:
+    """Columns of the table of fits: those of every parameter and measure that one of them has."""
+    names: dict[str, None] = {}
+    measured: dict[str, None] = {}
+    for label, fit in outcomes:
+        if label["kind"] in _FITS:
+            names |= dict.fromkeys(fit.get("parameters", {}))
+            measured |= dict.fromkeys(fit.get("measures", {}))
+    parameters = [n + end for n in names for end in _PARAMETER]
+    measures = [n + end for n in measured for end in _MEASURE]
+    return (*_ABOUT, *_FIT, *parameters, *measures, "file", "message", "seconds")
+
+
+def fit_rows(outcomes: Iterable[Outcome], columns: Sequence[str]) -> Iterator[tuple[Cell, ...]]:
+    """A row for each fit: whose it is, how good, parameters with standard errors, measures.
 
     ``validation_vaf`` is the mean VAF [%] of the other repetitions of the protocol.
     """
-    fits = [(label, fit) for label, fit in outcomes if label["kind"] == "fit"]
-    names = list(dict.fromkeys(n for _, fit in fits for n in fit.get("parameters", {})))
-    ends = ("", "_sem", "_low", "_high", "_verdict")
-    columns = (*_ABOUT, *_FIT, *(n + end for n in names for end in ends), "message", "seconds")
-    rows = []
-    for label, fit in fits:
-        values: dict[str, Cell] = {c: fit.get(c) for c in (*_FIT, "seconds")}
+    for label, fit in outcomes:
+        if label["kind"] not in _FITS:
+            continue
+        values: dict[str, Cell] = {c: fit.get(c) for c in (*_FIT, "seconds", "file")}
         values |= {c: label[c] for c in _ABOUT}
         repeated = [vaf for _, vaf in predictions(label, fit, label["protocol"])]
         values["validation_vaf"] = sum(repeated) / len(repeated) if repeated else None
-        values["status"], values["message"] = fit.get("status", "failed"), fit.get("failed")
+        values["status"] = fit.get("status", "failed")
+        values["message"] = fit.get("failed")
         for name, p in fit.get("parameters", {}).items():
             low, high = p["ci95"] or (None, None)
-            values |= dict(
-                zip(
-                    (name + end for end in ends),
-                    (p["value"], p["sem"], low, high, p["verdict"]),
-                    strict=True,
-                )
-            )
-        rows.append(tuple(values.get(column) for column in columns))
-    return columns, rows
+            cells = (p["value"], p["sem"], low, high, p["verdict"])
+            values |= dict(zip((name + end for end in _PARAMETER), cells, strict=True))
+        for name, m in fit.get("measures", {}).items():
+            values |= dict(zip((name + end for end in _MEASURE), m, strict=True))
+        yield tuple(values.get(column) for column in columns)
+
+
+def relaxed_rows(outcomes: Iterable[Outcome]) -> Iterator[tuple[Cell, ...]]:
+    """The relaxed curve of every recording that has one, a row for each angle (`RELAXED`)."""
+    for label, seen in outcomes:
+        if label["kind"] == "trial":
+            about = (label["subject"], label["protocol"], label["repetition"])
+            yield from ((*about, *row) for row in seen.get("relaxed", ()))
 
 
 def predictions(label: Plain, fit: Plain, protocol: str) -> Iterator[tuple[int, float]]:

@@ -1,7 +1,7 @@
 """What came of the fits of the cohort, to be asked by model and protocol."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -66,6 +66,14 @@ class Fits:
                 if (of_model, of_protocol) == (model, protocol):
                     yield subject, int(repetition), fit
 
+    def drawn(self, rng: np.random.Generator) -> "Fits":
+        """As many subjects drawn again from these, with replacement, under numbers of their own."""
+        places = rng.integers(len(self.members), size=len(self.members))
+        several = [(f"{n}", self.members[place]) for n, place in enumerate(places)]
+        single = {name: self.single[who.id] for name, who in several if who.id in self.single}
+        members = tuple(replace(who, id=name) for name, who in several)
+        return replace(self, members=members, single=single)
+
     def vaf(self, model: str, protocol: str = ACTIVE_PROTOCOL) -> Points:
         """VAF of every recording [%]."""
         return {(who, r): fit["vaf"] for who, r, fit in self.of(model, protocol) if fit["vaf"]}
@@ -107,9 +115,9 @@ OTHERWISE: Mapping[str, Mapping[str, Any]] = {
 class Ways:
     """Fits of the cohort, of the first subjects of one made otherwise, and by the thesis.
 
-    `few` are the same subjects of the cohort as `otherwise` has. `explicit` has the thesis's
-    integrator and optimiser; `wide` its VAF of model 2.0 on the multiple holds with finite
-    differences that look past the chatter.
+    `few` are the same subjects of the cohort as `otherwise` has. `strain` has the tendon models
+    with ε0 as a strain, `explicit` the thesis's integrator and optimiser; `wide` its VAF of model
+    2.0 on the multiple holds with finite differences that look past the chatter.
     """
 
     cohort: Fits
@@ -117,6 +125,7 @@ class Ways:
     otherwise: Mapping[str, Fits]
     explicit: Fits
     wide: Points
+    strain: Fits
 
 
 def thesis_fits(context: Context) -> Ways:
@@ -160,6 +169,7 @@ def thesis_fits(context: Context) -> Ways:
         otherwise={name: fits(name, "implicit") for name in OTHERWISE},
         explicit=fits("", "explicit", "implicit 1.0"),
         wide=fits("", "wide").vaf("2.0"),
+        strain=fits("", "strain", "implicit 1.0"),
     )
 
 

@@ -3,7 +3,8 @@
 Every rule takes a view of the fits and what its row gives, and returns a `Ruling`.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from functools import cache
 from itertools import combinations
 from statistics import fmean, median
@@ -38,6 +39,10 @@ PROTOCOLS = {
     ACTIVE_PROTOCOL: "multiple holds",
     FAST_PROTOCOL: "multi-sine with holds",
 }
+#: Cohorts that are drawn again from the subjects, and the part of them in which a rule may say the
+#: opposite before chance decides it.
+DRAWS = 200
+OPPOSITE = 0.1
 #: Length of the segments whose spectra are averaged [s].
 _SEGMENT = 8.0
 
@@ -48,6 +53,32 @@ def described(points: Points) -> str:
         raise NotThereError("No such fit is there.")
     v = values(points)
     return f"{v.mean():.1f} % (median {np.median(v):.1f}, lowest {v.min():.1f}, n = {len(v)})"
+
+
+def by_chance(fits: Fits, ours: Callable[[Fits], Ruling]) -> str:
+    """Why chance decides a rule: cohorts drawn again from these subjects say the opposite.
+
+    Empty where more than nine of ten say the same, and where the rule asks one subject alone.
+    """
+    if getattr(ours, "func", ours) is spectra:
+        return ""
+    said = _same(ours(fits))
+    rng = np.random.default_rng(0)
+    opposite = 0
+    drawn = 0
+    for _ in range(DRAWS):
+        with suppress(NotThereError):
+            opposite += _same(ours(fits.drawn(rng))) != said
+            drawn += 1
+    part = opposite / max(drawn, 1)
+    if part <= OPPOSITE:
+        return ""
+    return f"{100 * part:.0f} % of cohorts drawn again from these subjects say otherwise"
+
+
+def _same(ruling: Ruling) -> tuple[bool, bool]:
+    """What a ruling decides."""
+    return bool(ruling.holds), bool(ruling.less)
 
 
 # Means and orders

@@ -84,8 +84,8 @@ def member_job(
     -------
     dict
         Fits by way, model, protocol and repetition, the way ``"implicit"``, or with `explicit`
-        ``"explicit"`` too, repetition 1 by `fit_explicit`, and ``"wide"``, the same with wide
-        finite differences.
+        ``"strain"`` too, the tendon models with ε0 as a strain, ``"explicit"``, repetition 1 by
+        `fit_explicit`, and ``"wide"``, the same with wide finite differences.
     """
     subject = _Subject(make_cohort(seed, **made)[member])
     fits = {}
@@ -97,6 +97,10 @@ def member_job(
                 targets = _targets(protocol, repetitions) if r == 1 else ()
                 label = f"{model} {protocol} {r}"
                 fits[f"implicit {label}"] = _implicit(subject, name, protocol, r, targets, seed)
+                if explicit and model != "1.0":
+                    fits[f"strain {label}"] = _implicit(
+                        subject, name, protocol, r, targets, seed, "slack-length"
+                    )
                 if explicit and model != "1.0" and r == 1:
                     fits[f"explicit {label}"] = _explicit(subject, name, protocol, targets)
                     if (model, protocol) == ("2.0", ACTIVE_PROTOCOL):
@@ -119,9 +123,11 @@ def _implicit(
     r: int,
     targets: Sequence[tuple[str, int]],
     seed: int,
+    strain: str = "thesis",
 ) -> Plain:
     inputs = subject.inputs(protocol, r, RATE_HZ)
-    fit = surae.fit(inputs, model, starts=2, seed=seed, quality=())
+    options: dict[str, Any] = {} if model == MODELS["1.0"] else {"tendon_strain": strain}
+    fit = surae.fit(inputs, model, starts=2, seed=seed, quality=(), **options)
     return fit_record(fit, subject.who, [(p, k, subject.inputs(p, k, RATE_HZ)) for p, k in targets])
 
 

@@ -4,7 +4,8 @@
 """
 
 from surae import ComputationError
-from surae_thesis.claims import judge_all
+from surae_thesis.claims import judge_all, turned
+from surae_thesis.legs import STRAIN
 from surae_thesis.section import Context, Result, Table
 from surae_thesis.simulation.cells import SIGNED, Study
 from surae_thesis.simulation.figures import drawings
@@ -19,8 +20,10 @@ def run(context: Context) -> Result:
     views = studies(context)
     if not views[SIGNED].grid:
         raise ComputationError("simulation-grid: no fit succeeded")
+    findings = judge_all("simulation", views, *RULES)
     return Result(
-        findings=judge_all("simulation", views, *RULES),
+        findings=findings,
+        insights=(turned(findings, SIGNED, STRAIN),),
         figures=drawings(views[SIGNED]),
         tables=(_grid(views[SIGNED]),),
         notes=_notes(context, views[SIGNED]),
@@ -41,9 +44,10 @@ def _notes(context: Context, study: Study) -> tuple[str, ...]:
         "scheme at 1000 Hz (4.4). Two starts per fit, neither the truth.",
         "The first column is the reading that decides: noise of 5 % of each signal's mean, the "
         "torque's with its sign (2.5.3). The others show what hangs on it: noise of the mean "
-        "magnitude (VAF and SEM follow from the fits by equation (34)), an effort in which the "
-        "heads of the triceps take turns, and the thesis's integrator with an optimiser of its "
-        "kind.",
+        "magnitude (VAF and SEM follow from the fits by equation (34)), the tendon's ε0 as a "
+        "strain, which Table 2 calls it, where the printed equations take metres, an effort in "
+        "which the heads of the triceps take turns, and the thesis's integrator with an optimiser "
+        "of its kind.",
     )
 
 

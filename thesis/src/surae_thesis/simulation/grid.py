@@ -5,7 +5,7 @@ from itertools import product
 from typing import Any
 
 from surae_thesis.claims import INTEGRATOR
-from surae_thesis.legs import EARLY, IN_TURN, LEAD, SLOW, fit_cell
+from surae_thesis.legs import EARLY, IN_TURN, LEAD, SLOW, STRAIN, fit_cell
 from surae_thesis.section import Context
 from surae_thesis.simulation import cells as c
 from surae_thesis.simulation.cells import Study, cells, select, with_magnitude
@@ -14,6 +14,8 @@ from surae_thesis.simulation.cells import Study, cells, select, with_magnitude
 SUBJECTS = 10
 _QUICK_SUBJECTS = 3
 _QUICK_FACTORS = (0.05, 0.2, 0.35, 0.5, 0.6)
+#: Factors of the other reading of ε0 away from the chosen amplitude and task.
+_STRAIN_FACTORS = c.FACTORS[2::4]
 
 Place = dict[str, Any]
 
@@ -50,7 +52,7 @@ def places(quick: bool) -> dict[str, list[Place]]:
     subjects = range(1, 1 + (_QUICK_SUBJECTS if quick else SUBJECTS))
     faster = c.FASTER[1::2] if quick else c.FASTER
     chirps = [(0.0, None), *product(c.AMPLITUDES[1:], factors)]
-    return {
+    usual = {
         "grid": [
             place(m, p, a, s, task=t)
             for p, (a, s), t, m in product(c.PROFILES, chirps, c.TASKS, c.MODELS)
@@ -85,6 +87,10 @@ def places(quick: bool) -> dict[str, list[Place]]:
                 ),
             ]
         ],
+    }
+    return {
+        **usual,
+        **{f"{STRAIN} {name}": _strained(some) for name, some in usual.items() if name != "noise"},
         IN_TURN: [
             place(m, p, c.CHOSEN_AMPLITUDE, c.CHOSEN_FACTOR, subject=n, reading=IN_TURN)
             for n, p, m in product(subjects, c.PROFILES, c.MODELS)
@@ -111,6 +117,20 @@ def places(quick: bool) -> dict[str, list[Place]]:
     }
 
 
+def _strained(some: list[Place]) -> list[Place]:
+    """The tendon model's cells with ε0 as a strain: all through the chosen chirp, few elsewhere."""
+    return [
+        {**at, "reading": STRAIN}
+        for at in some
+        if at["model"] == "muscle-tendon"
+        and at["subject"] <= _QUICK_SUBJECTS
+        and (
+            at["factor"] in (None, *_STRAIN_FACTORS)
+            or (at["task"] == "part-passive" and at["amplitude"] == c.CHOSEN_AMPLITUDE)
+        )
+    ]
+
+
 def studies(context: Context) -> dict[str, Study]:
     """The cells under each reading, and as the thesis integrated."""
     made = {}
@@ -125,8 +145,13 @@ def studies(context: Context) -> dict[str, Study]:
     again = {cell.subject for cell in made[EARLY]}
     beside = [cell for cell in select(made["others"], task="part-passive") if cell.subject in again]
     made[EARLY] += tuple(cell for cell in beside if cell.amplitude == c.CHOSEN_AMPLITUDE)
+    strain = {
+        name: select(some, model="muscle") + made.get(f"{STRAIN} {name}", ())
+        for name, some in usual.items()
+    }
     return {
         c.SIGNED: Study(**usual, failed=failed["grid"]),
+        STRAIN: Study(**strain, failed=failed[f"{STRAIN} grid"]),
         c.MAGNITUDE: Study(
             **{name: tuple(map(with_magnitude, some)) for name, some in usual.items()},
             failed=failed["grid"],

@@ -145,13 +145,16 @@ class _Signal:
 
 
 class Watch:
-    """Looks at what arrives; `device` has the limits, `span` is the range that was agreed [rad]."""
+    """Looks at what arrives; `device` has the limits, `span` is the range that was agreed [rad].
 
-    def __init__(self, device: Device, span: tuple[float, float]) -> None:
+    None: no device was chosen, no range agreed, and nothing is held to one.
+    """
+
+    def __init__(self, device: Device | None, span: tuple[float, float] | None) -> None:
         self.roles: Roles = {}
         self.speed = 0.0  #: Largest that was asked for [rad/s].
-        self._device = device
-        self._span = span
+        self.device = device
+        self.span = span
         self._signals: dict[str, _Signal] = {}
         self._targets: deque[FloatArray] = deque(maxlen=_EFFORT_LOOKS)
         self._efforts: deque[dict[str, float | None]] = deque(maxlen=_EFFORT_LOOKS)
@@ -214,9 +217,9 @@ class Watch:
             yield from self._electrode(role, window)
             return
         last = window[-round(EVERY * self._signals[role].rate_hz) :]
-        if role == "torque":
+        if role == "torque" and self.device is not None:
             top = float(np.abs(last).max())
-            most = self._device.max_torque
+            most = self.device.max_torque
             if top >= _NEAR * most:
                 yield Alarm(
                     "torque-limit",
@@ -232,7 +235,7 @@ class Watch:
 
     def _moving(self, angle: FloatArray, rate_hz: float) -> Iterator[Alarm]:
         step = max(round(0.03 * rate_hz), 1)
-        most = self._device.max_velocity
+        most = np.inf if self.device is None else self.device.max_velocity
         low = float(angle.min())
         high = float(angle.max())
         if len(angle) > step:
@@ -252,8 +255,10 @@ class Watch:
                     ),
                     given,
                 )
-        if low < self._span[0] - _BEYOND or high > self._span[1] + _BEYOND:
-            beyond = low if low < self._span[0] else high
+        if self.span is None:
+            return
+        if low < self.span[0] - _BEYOND or high > self.span[1] + _BEYOND:
+            beyond = low if low < self.span[0] else high
             yield Alarm(
                 "angle-range",
                 "angle",

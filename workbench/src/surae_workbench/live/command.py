@@ -47,10 +47,8 @@ from surae_workbench.options import server_options
 @click.option("--mapping", metavar="MAP.toml", help="Which channel of the streams is which signal.")
 @click.option(
     "--device",
-    default="achilles",
-    show_default=True,
-    metavar="NAME|FILE.toml",
-    help="What moves the leg.",
+    metavar="NAME|FILE.toml|none",
+    help="What moves the leg: its limits are watched.  [default: none; to rehearse, achilles]",
 )
 @click.option(
     "--range",
@@ -77,7 +75,7 @@ def command(
     faults: tuple[str, ...],
     seed: int,
     mapping: str | None,
-    device: str,
+    device: str | None,
     range: tuple[float, float] | None,
     output: str,
     host: str,
@@ -104,6 +102,10 @@ def command(
     if rehearse:  # two rehearsals on one computer must not hear each other
         os.environ.setdefault(SESSION, f"rehearsal-{os.getpid()}")
     lsl(network and not rehearse)
+    if device is None:
+        device = "achilles" if rehearse else None
+    elif device == "none":
+        device = None
     if unattended:
         from surae_workbench.live.unattended import unattended as run_unattended
 

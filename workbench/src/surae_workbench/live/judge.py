@@ -291,7 +291,7 @@ def together(
     output: str,
     target: str,
     efforts: Mapping[str, str] | None = None,
-    device: str = "achilles",
+    device: str | None = None,
     span: tuple[float, float] | None = None,
 ) -> dict[str, Any]:
     """Fit all trials of the session jointly, as `surae.fit` does by itself.
@@ -338,7 +338,7 @@ def _row(name: str, estimate: "Measure | ParameterEstimate") -> dict[str, Any]:
 
 
 def _next(
-    fit: api.Fit, target: str, device: str, span: tuple[float, float] | None
+    fit: api.Fit, target: str, device: str | None, span: tuple[float, float] | None
 ) -> dict[str, Any]:
     """What to measure next, in sentences, and what the trial is called; its target is written."""
     try:

@@ -4,9 +4,9 @@ import time
 from collections.abc import Callable, Iterable
 from typing import Any
 
+from surae.base.names import TARGET_SOURCE
 from surae_workbench.live.identity import ALIKE, WHICH, Identities
 from surae_workbench.live.stream import Stream, key_of
-from surae_workbench.live.target import SOURCE as TARGET
 
 #: A lost stream is talked of for so long [s]; whoever is still there then has come back itself, and
 #: whoever is there beside one that sends is another.
@@ -54,7 +54,7 @@ class Meeting:
         if live and not lost:  # an echo, or another stream of the same program
             since = self._since.setdefault(uid, time.monotonic())
             twin = time.monotonic() - since > _ECHO and live <= there
-            return twin and source != TARGET and uid not in self._gone
+            return twin and source != TARGET_SOURCE and uid not in self._gone
         return True
 
     def is_alike(self, stream: Stream, uid: str) -> bool:
@@ -101,7 +101,7 @@ class Meeting:
 
     def _name(self, new: Stream) -> None:
         """Say what streams are called, now that one is there that was not."""
-        every = [stream for stream in self.streams.values() if stream.source != TARGET]
+        every = [stream for stream in self.streams.values() if stream.source != TARGET_SOURCE]
         if any(new is stream for stream in every):
             self.identities.meet(new.identity, [s.identity for s in every if s is not new])
         for stream in every:

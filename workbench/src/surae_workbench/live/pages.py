@@ -5,21 +5,23 @@ import threading
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Annotated, Any, Unpack
+from typing import Annotated, Any, Literal, Unpack
 
 import click
 import numpy as np
 from fastapi import Body, FastAPI, Request, Response
 from fastapi.responses import JSONResponse, StreamingResponse
+from pydantic import BaseModel, ConfigDict, Field
 from starlette.routing import Mount
 from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from surae._version import __version__
-from surae.api import PROFILES, TASKS, Trajectory, ready_protocols
+from surae.api import DEVICES, PROFILES, TASKS, Trajectory, ready_protocols
 from surae.base.errors import InputError
 from surae.base.files import PathLike, template
 from surae.base.names import TELLING
+from surae_workbench.live.mapping import CHOSEN_ROLES, Chosen
 from surae_workbench.live.room import (
     MAXIMUM,
     QUIET,
@@ -28,7 +30,7 @@ from surae_workbench.live.room import (
     is_unclear,
     sends_nothing,
 )
-from surae_workbench.live.showing import Showing
+from surae_workbench.live.showing import Showing, guessed_roles
 from surae_workbench.live.target import KIND
 from surae_workbench.web.app import bare_app
 from surae_workbench.web.events import Events
@@ -128,7 +130,12 @@ class ServedRoom:
             "trials": [trials.trials[number].shown() for number in sorted(trials.trials)],
             "session": trials.session,
             "asked": room.planned,
-            "moves": {"device": room.device.name, "low": f"{low:.0f}", "high": f"{high:.0f}"},
+            "moves": {
+                "device": None if room.device is None else room.device.name,
+                "devices": list(DEVICES),
+                "low": f"{low:.0f}",
+                "high": f"{high:.0f}",
+            },
             **self.health(),
             "limits": room.limits,
             "profiles": _MOVEMENTS,
@@ -148,19 +155,41 @@ class ServedRoom:
     def health(self) -> dict[str, Any]:
         """How streams and disk do."""
         trials = self.room.trials
-        self.showing.roles = self.room.roles
+        roles = self.room.roles
+        self.showing.roles = roles or guessed_roles(trials.offered())
         message, given = trials.recorder.trouble_said
         streams = [s for s in trials.recorder.health() if s["kind"] != KIND]
         quiet = [sends_nothing(s["name"]) for s in streams if s["state"] in QUIET]
         unclear = [is_unclear(message, given) for message, given in trials.doubts]
         return {
-            "streams": streams,
+            "streams": [{**s, **self._use(s["name"])} for s in streams],
+            "mapped": bool(roles),
             "trouble": trials.recorder.trouble,
             "trouble_said": {"message": message, "given": given},
             "roles": sorted(role for role, _, _ in self.showing.roles.values()),
             "ready": self.room.ready,
             "alarms": [alarm.shown() for alarm in (*unclear, *quiet, *self.room.alarms.active)],
         }
+
+    def _use(self, name: str) -> dict[str, Any]:
+        """What a stream is good for: its signals, and whether a trial of them was judged well.
+
+        ``bad`` names the newest judged trial in which one of its signals has an error.
+        """
+        trials = self.room.trials
+        own = (s for s in list(trials.recorder.streams.values()) if s.called == name)
+        columns = [column for stream in own for column in stream.columns]
+        used = self.room.roles
+        roles = [used[column][0] for column in columns if column in used]
+        judged = [t for t in trials.trials.values() if t.state == "judged" and not t.is_unread]
+        last = max(judged, key=lambda trial: trial.trial, default=None)
+        errors = {
+            each["channel"]
+            for each in (last.findings if last is not None else ())
+            if each.get("severity") == "error"
+        }
+        bad = last.trial if last is not None and errors & {*roles} else None
+        return {"roles": roles, "judged": last is not None, "bad": bad}
 
     def _frame(self, frame: dict[str, Any]) -> None:
         self.events.tell("frames", "frame", frame)
@@ -181,6 +210,24 @@ class ServedRoom:
 
 _Seconds = Annotated[float, Body(ge=0, le=3600, embed=True)]
 _Text = Annotated[str, Body(max_length=200, embed=True)]
+
+
+class _Channel(BaseModel):
+    """The channel that a signal was chosen to be."""
+
+    model_config = ConfigDict(extra="forbid")
+    column: str = Field(max_length=400)
+    unit: str | None = Field(None, max_length=40)
+    sign: Literal[1, -1] = 1
+
+
+class _Choice(BaseModel):
+    """A choice of channels; with `again`, trials are judged again by it."""
+
+    model_config = ConfigDict(extra="forbid")
+    channels: dict[Literal[CHOSEN_ROLES], _Channel]  # type: ignore[valid-type]
+    emg: Literal["raw", "envelope"] | None = None
+    again: bool = False
 
 
 def create_app(served: ServedRoom, policy: Policy, subject: str | None) -> ASGIApp:
@@ -272,6 +319,24 @@ def _add_actions(app: FastAPI, served: ServedRoom) -> None:
         profile: _Text, task: _Text, seconds: _Seconds = 35.0, chirp_amplitude: _Seconds = 0.1
     ) -> None:
         room.load(profile=profile, task=task, duration=seconds, chirp_amplitude=chirp_amplitude)
+
+    @app.post("/api/live/device")
+    def device(name: _Text = "") -> None:
+        if name and name not in DEVICES:  # no page names a file of this computer
+            raise InputError(f"device {name!r} is not known; use one of: {', '.join(DEVICES)}")
+        room.choose_device(name or None)
+
+    @app.get("/api/live/channels")
+    def channels() -> dict[str, Any]:
+        return room.trials.offered()
+
+    @app.post("/api/live/channels")
+    def choose(choice: _Choice) -> None:
+        chosen = {
+            role: Chosen(column=each.column, unit=each.unit, sign=each.sign)
+            for role, each in choice.channels.items()
+        }
+        room.trials.choose(chosen, choice.emg, again=choice.again)
 
     @app.post("/api/live/tells")
     def tells() -> dict[str, list[str]]:

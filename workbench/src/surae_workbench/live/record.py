@@ -95,6 +95,13 @@ class Record(Judgement):
     note: str | None = None
     lost_bytes: int | None = None
     seconds_to_verdict: float | None = None
+    begun_s: float | None = None  #: When its target began, from its first sample [s].
+    mapping: str | None = None  #: Digest of the mapping that it was last read by; None: by none.
+
+    @property
+    def is_unread(self) -> bool:
+        """Whether it was judged, and nothing could be read of it."""
+        return self.state == "judged" and self.use is None
 
     @model_validator(mode="after")
     def _whole(self) -> Self:

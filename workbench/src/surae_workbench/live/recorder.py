@@ -15,6 +15,7 @@ from xml.sax.saxutils import escape
 import numpy as np
 import numpy.typing as npt
 
+from surae.base.names import TARGET_SOURCE
 from surae.base.units import FloatArray
 from surae.base.words import N_
 from surae.processes import where
@@ -234,7 +235,8 @@ class Recorder:
             else:
                 self._write(lambda log: log.samples(stream.number, stamps, values))
                 stream.not_finite += int(values.size - np.isfinite(values).sum())
-                if self._origin is None or times[0] < self._origin:
+                measured = stream.source != TARGET_SOURCE  # no reader takes that for a signal
+                if measured and (self._origin is None or times[0] < self._origin):
                     self._origin = float(times[0])
         now = self.clock()
         stream.received += len(stamps)

@@ -21,6 +21,7 @@ from surae.api import (
     allowed_range,
     as_device,
     held_to_torque,
+    load_of,
     read_protocol,
     ready_protocols,
     ready_trajectory,
@@ -68,7 +69,7 @@ class RoomOptions(TrialsOptions, total=False):
 
     watch: PathLike | None
     leg: int | None
-    device: str
+    device: str | None
     span: tuple[float, float] | None
 
 
@@ -77,9 +78,9 @@ class Room:
 
     Files that appear in the folder `watch` are trials too. In a rehearsal `leg` says whose leg it
     is; None: the streams are real. `device` moves the leg: a name, or the TOML file of a device,
-    refused where there is none. `span` is the subject's full plantarflexion and dorsiflexion [rad],
-    refused where the device does not reach so far; by default that of a healthy leg, as far as it
-    does.
+    refused where there is none; None: it is not known, and no limit is watched. `span` is the
+    subject's full plantarflexion and dorsiflexion [rad], refused where the device does not reach so
+    far; by default movements are made for a healthy leg, as far as it does.
     """
 
     def __init__(
@@ -90,17 +91,15 @@ class Room:
         tell: Tell = silent,
         leg: int | None = None,
         watch: PathLike | None = None,
-        device: str = "achilles",
+        device: str | None = None,
         span: tuple[float, float] | None = None,
         **trials: Unpack[TrialsOptions],
     ) -> None:
-        limits = as_device(device)
-        assert limits is not None
-        self.device = limits
+        self.device = as_device(device)
         self.range = allowed_range(self.device, span)
-        place = str(Path(device).resolve()) if device not in DEVICES else device
+        self._span = span
         self.laboratory = None if leg is None else Laboratory(leg)
-        self.alarms = Watch(limits, self.range)
+        self.alarms = Watch(self.device, self._agreed)
         self._roles: Roles = {}
         self._show = show
         self._tell = tell
@@ -111,7 +110,7 @@ class Room:
                 show=self._seen,
                 tell=self._heard,
                 but=(rehearsal.CONTROL,),
-                limits={"device": place, "span": span},
+                limits={"device": _place(device), "span": span},
             )
         except BaseException:
             if self.laboratory is not None:
@@ -119,6 +118,7 @@ class Room:
             raise
         self.target = TargetStream()
         self.trajectory: Trajectory | None = None
+        self._loaded: dict[str, Any] = {}
         self.planned: dict[str, Any] = {}
         #: What the loaded trial asks of the device: sentences, and their parts.
         self.limits: list[dict[str, Any]] = []
@@ -174,6 +174,7 @@ class Room:
                 raise InputError(f"{cleaned(name)} is not loaded: {'; '.join(too_much)}")
             write_protocol_csv(trajectory, self._file)
             self.trajectory = trajectory
+            self._loaded = {"path": path, "name": name, "beyond": beyond, **protocol}
             self.alarms.speed = float(np.abs(trajectory.velocity).max())
             effort = "maximal" if trajectory.settings.task == "maximal" else "active"
             self.planned = {
@@ -184,10 +185,28 @@ class Room:
             self.limits = [
                 *({"text": e.message, **e.message.parts(), "exceeded": e.exceeded} for e in limits),
                 *({"text": text} for text in given_up),
+                *(_asks(trajectory) if self.device is None else ()),
             ]
             self.target.load(trajectory)
             self._go_back()
             self._tell("protocol", {**self.planned, "limits": self.limits})
+
+    def choose_device(self, device: str | None) -> None:
+        """Have another device, or an unknown one, move the leg: what is loaded keeps to it."""
+        if self.trials.running is not None:
+            raise InputError("a trial is running; stop it before another device is chosen")
+        chosen = as_device(device)
+        self.range = allowed_range(chosen, self._span)
+        self.device = self.alarms.device = chosen
+        self.alarms.span = self._agreed
+        self.trials.limits |= {"device": _place(device)}
+        if self._loaded:
+            self.load(**self._loaded)
+
+    @property
+    def _agreed(self) -> tuple[float, float] | None:
+        """The range that the leg must stay in; None where nobody gave one, nor a device."""
+        return None if self.device is None and self._span is None else self.range
 
     def tells(self) -> list[str]:
         """What the loaded trial will tell, in sentences: of this leg, once it was fitted.
@@ -326,6 +345,17 @@ class Room:
         if self.trials.running == number:
             with suppress(InputError):  # somebody stopped it at this moment
                 self.stop()
+
+
+def _place(device: str | None) -> str | None:
+    """A device as another process finds it: its name, or the whole path of its file."""
+    return device if device is None or device in DEVICES else str(Path(device).resolve())
+
+
+def _asks(trajectory: Trajectory) -> list[dict[str, Any]]:
+    """What a movement asks of any device and leg, in a sentence with its parts."""
+    message = load_of(trajectory).message
+    return [{"text": message, **message.parts()}]
 
 
 def is_unclear(message: str, given: dict[str, str]) -> Alarm:

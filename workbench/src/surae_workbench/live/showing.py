@@ -45,6 +45,14 @@ def roles_of(mapping: Path | None) -> Roles:
     return roles
 
 
+def guessed_roles(offered: Mapping[str, Any]) -> Roles:
+    """Which column seems to be which signal, to be looked at before somebody settles it."""
+    return {
+        str(guess["column"]): (role, FACTORS[kind(role)][guess["unit"]] * guess["scale"], 0.0)
+        for role, guess in offered["guesses"].items()
+    }
+
+
 class Showing:
     """Takes samples from the recorder and makes frames of them, which `send` gets."""
 

@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 
 from surae.api import MUSCLES, Trajectory
+from surae.base.names import TARGET_SOURCE
 from surae.base.units import FloatArray
 from surae_workbench.live.lsl import lsl, outlet
 
 NAME = "surae target"
-SOURCE = "surae-live-target"
 KIND = "Target"
 #: Rate [Hz], and how much of it is sent at a time [s].
 _RATE = 100.0
@@ -56,7 +56,7 @@ class TargetStream:
         self._plan = _Plan()
         self._ended = threading.Event()
         # The stream ends with the thread that alone holds it, not when memory is tidied some day.
-        sent = outlet(NAME, KIND, labels, units, _RATE, SOURCE)
+        sent = outlet(NAME, KIND, labels, units, _RATE, TARGET_SOURCE)
         self._thread = threading.Thread(
             target=self._send, args=(sent,), name="live-target", daemon=True
         )

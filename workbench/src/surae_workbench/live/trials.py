@@ -14,18 +14,22 @@ import time
 from collections.abc import Iterable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack, suppress
+from hashlib import sha256
 from pathlib import Path
 from typing import Any, TypedDict
 
 from pydantic import ValidationError
 
+from surae.api import words_in
 from surae.base.cleaning import cleaned
 from surae.base.database import lock
 from surae.base.errors import InputError, SuraeError
 from surae.base.files import PathLike, is_link, shown, write_atomic
+from surae.base.names import LANGUAGES
+from surae.base.words import N_
 from surae.processes import Child, End
 from surae_workbench.live.identity import STREAMS, TWICE, Identities
-from surae_workbench.live.mapping import columns_of, mapping_of
+from surae_workbench.live.mapping import Chosen, chosen_text, columns_of, mapping_of, offered
 from surae_workbench.live.record import MOST, Judgement, Record, read_record, repaired, said_in
 from surae_workbench.live.recorder import Recorder, Show, Tell
 from surae_workbench.live.xdf import mended_xdf
@@ -34,8 +38,14 @@ from surae_workbench.live.xdf import mended_xdf
 _LATE = 0.25
 #: A trial is held against so many others at most: it must not be judged later and later.
 _EARLIER = 8
+#: Why nothing is said of a trial before somebody says which channel is which.
+UNMAPPED = N_(
+    "The streams do not say which channel is which: choose the channels, and it is judged again."
+)
+#: The mapping that was chosen in the page.
+CHOSEN = "channels.toml"
 #: What a recording leaves in its folder beside trials, as a pattern.
-_OURS = r"live\.lock|mapping\.toml|joint\.json|streams\.json"
+_OURS = r"(trial|between)-|(live\.lock|mapping\.toml|channels\.toml|joint\.json|streams\.json)$"
 
 
 def silent(*what: object) -> None:
@@ -102,6 +112,8 @@ class Trials:
                         "give another --output"
                     )
                 opened.callback(held.close)
+                if self._mapping is None and self.file(CHOSEN).exists():
+                    self._mapping = self.file(CHOSEN)
                 unjudged = self._known()
                 first = self._between()
                 self._identities = Identities(self.file(STREAMS), columns_of(self._mapping))
@@ -119,6 +131,7 @@ class Trials:
             self._opened = opened.pop_all()
         self.warm = self._work.submit(self._judge.call, "surae_workbench.live.judge:warm", {})
         self.verdicts = {n: self._work.submit(self._judged, n, None, None) for n in unjudged}
+        self._judge_unread()  # a mapping may have come since
         if joint and self.trials:  # what was known before this start is known again
             self._ask_together()
 
@@ -173,6 +186,54 @@ class Trials:
         self.verdicts[number] = self._work.submit(self._judged, number, None, time.monotonic())
         return number
 
+    def offered(self) -> dict[str, Any]:
+        """The channels that can be chosen, and those that are."""
+        return offered(list(self.recorder.streams.values()), self.mapping)
+
+    def choose(
+        self, channels: Mapping[str, Chosen], emg: str | None = None, *, again: bool = False
+    ) -> None:
+        """Have a choice of channels be the session's mapping, from now on.
+
+        Trials of which nothing could be read are judged again by it; with `again` all are.
+        """
+        with self._lock:
+            if self.running is not None:
+                raise InputError(f"trial {self.running} is running; stop it first")
+            streams = list(self.recorder.streams.values())
+            text = chosen_text(streams, channels, emg, self.mapping)
+            write_atomic(self.file(CHOSEN), text)
+            self._mapping = self.file(CHOSEN)
+        self._judge_unread(also=list(self.trials) if again else ())
+
+    def _judge_unread(self, also: Iterable[int] = ()) -> None:
+        """Judge trials again that nothing could be read of, if another mapping says how now."""
+        asked = [n for n, trial in list(self.trials.items()) if trial.is_unread or n in also]
+        for number in asked:
+            trial = self.trials[number]
+            digest = self._digest(self._mapping_of(number))
+            source = Path(trial.file) if trial.file else self.path(number, ".xdf")
+            if trial.state != "judged" or digest in (None, trial.mapping) or not source.exists():
+                continue
+            fresh = Judgement.model_validate({}).model_dump()
+            self._tell("trial", self._write(number, **fresh, state="being judged").shown())
+            self.verdicts[number] = self._work.submit(self._judged, number, trial.begun_s, None)
+
+    def _mapping_of(self, number: int) -> Path | None:
+        """The mapping that a trial is read by; None where none is known."""
+        trial = self.trials[number]
+        if (began := self.path(number, "-mapping.toml")).exists():
+            return began
+        return self._mapping if trial.file is not None else self.mapping
+
+    @staticmethod
+    def _digest(mapping: Path | None) -> str | None:
+        """What tells a mapping from others; None where there is none that can be read."""
+        with suppress(OSError):
+            if mapping is not None:
+                return sha256(mapping.read_bytes()).hexdigest()
+        return None
+
     def mark(self, text: str = "") -> None:
         """Write a mark down, at this moment."""
         number = self.running
@@ -212,6 +273,7 @@ class Trials:
         origin = self.recorder.turn(self._between())
         self._tell("trial", self._write(number, state="being judged").shown())
         late = None if begin is None or origin is None else begin - origin
+        self._write(number, begun_s=late)
         self.verdicts[number] = self._work.submit(self._judged, number, late, ended)
         return self.verdicts[number]
 
@@ -238,6 +300,7 @@ class Trials:
             with suppress(SuraeError):  # the disk is full; what is there is used
                 write_atomic(self.file("mapping.toml"), text)
                 self._made = text
+                self._judge_unread()
         return own if own.exists() else None
 
     @property
@@ -280,10 +343,12 @@ class Trials:
         while not self.recorder.whole(source) and not self._closed:  # there is room on the disk
             time.sleep(0.05)
         failed = False
+        mapping = self._mapping_of(number)
+        digest = self._digest(mapping)
         try:
-            arguments = self._arguments(number, source, begin)
+            arguments = self._arguments(number, source, begin, mapping)
         except InputError as error:
-            judgement: dict[str, Any] = {"why": str(error)}
+            judgement: dict[str, Any] = _waits() if mapping is None else {"why": str(error)}
         else:
             end = self._judge.call("surae_workbench.live.judge:judge", arguments)
             if self._closed and end.how != "done":  # nothing is on disk: the next start judges it
@@ -304,6 +369,7 @@ class Trials:
         output = self.path(number, ".h5")
         about = {
             "state": "judged",
+            "mapping": digest,
             "recording": str(output if output.exists() else source),
             "seconds_to_verdict": None if ended is None else round(time.monotonic() - ended, 3),
         }
@@ -319,15 +385,13 @@ class Trials:
             self._ask_together()
         return trial.shown()
 
-    def _arguments(self, number: int, source: Path, begin: float | None) -> dict[str, Any]:
+    def _arguments(
+        self, number: int, source: Path, begin: float | None, mapping: Path | None
+    ) -> dict[str, Any]:
         """What the judge needs; InputError where nothing can be judged."""
-        taken = self.trials[number].file is not None
-        mapping = self._mapping if taken else self.mapping
-        if mapping is None and not taken:
-            raise InputError("the streams do not say which channel is which; give a --mapping")
+        if mapping is None and self.trials[number].file is None:
+            raise InputError(UNMAPPED)
         target = self.path(number, "-target.csv")
-        if (began := self.path(number, "-mapping.toml")).exists():
-            mapping = began
         return {
             "file": str(source),
             "output": str(self.path(number, ".h5")),
@@ -486,12 +550,16 @@ class Trials:
         return self.folder / f"between-{self._betweens:02d}.xdf"
 
 
+def _waits() -> dict[str, Any]:
+    """What is said of a trial as long as nobody says which channel is which: it waits for that."""
+    translated = {language: {"advice": words_in(language)(UNMAPPED)} for language in LANGUAGES}
+    return {"verdict": "look", "advice": UNMAPPED, "why": UNMAPPED, "translated": translated}
+
+
 def _refuse_shared(folder: Path) -> None:
     """Refuse links and files that lie elsewhere too: what is written here stays here."""
     for path in folder.iterdir():
-        ours = re.match(
-            r"(trial|between)-|(live\.lock|mapping\.toml|joint\.json|streams\.json)$", path.name
-        )
+        ours = re.match(_OURS, path.name)
         state = path.lstat()
         own = stat.S_ISREG(state.st_mode) and state.st_nlink == 1
         if is_link(path) or (ours and not own):

@@ -37,8 +37,9 @@ COLUMN = ("low", "high", "usable", "bridge_s", "scale")
 KEPT = ("column", "unit", "sign", "scale", "offset", "bridge_s", "clock_ppm")
 #: Signals that must be settled: measured, or left out aloud.
 NEEDED = api.ROLES[:6]
-#: Points of a preview.
+#: Points of a preview, and of torque over angle.
 _PREVIEW = 200
+_LOOP = 400
 
 #: An uploaded file: `id`, `path` and the `name` its user gave.
 Upload = Mapping[str, str]
@@ -307,8 +308,9 @@ def imported(
         except InputError as error:  # the user sees a form, not our file
             raise InputError(str(error).removeprefix(f"{_MAPPING}: ")) from None
     recording = replace(recording, files=recording.files[1:])
-    if output is not None:
-        api.write_hdf5(output, recording)
+    if output is None:
+        return described(recording) | {"pictures": pictures(recording)}
+    api.write_hdf5(output, recording)
     return described(recording)
 
 
@@ -386,6 +388,26 @@ def _toml(mapping: Mapping[str, Any], names: Mapping[str, str]) -> str:
 def _given(table: Mapping[str, Any]) -> dict[str, Any]:
     """What a table says, without what it leaves open."""
     return {key: each for key, each in table.items() if each is not None}
+
+
+def pictures(recording: api.Recording) -> dict[str, Any]:
+    """What a recording looks like: torque over angle [Nm, °], and each signal over time in SI."""
+    channels = recording.channels
+    over: dict[str, list[float]] = {"angle": [], "torque": []}
+    if "angle" in channels and "torque" in channels:
+        angle = channels["angle"]
+        torque = channels["torque"]
+        time = np.linspace(*_shared(angle.time, torque.time), _LOOP)
+        over = {
+            "angle": np.degrees(np.interp(time, angle.time, angle.values)).round(3).tolist(),
+            "torque": np.interp(time, torque.time, torque.values).round(3).tolist(),
+        }
+    return {"over": over, "of": {r: preview(c.time, c.values) for r, c in channels.items()}}
+
+
+def _shared(*times: FloatArray) -> tuple[float, float]:
+    """The span that all have."""
+    return max(float(t[0]) for t in times), min(float(t[-1]) for t in times)
 
 
 def preview(time: FloatArray, values: FloatArray) -> dict[str, Any]:

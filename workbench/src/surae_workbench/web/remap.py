@@ -233,15 +233,29 @@ def _mend(
             "given": {"torque": f"{finding['value']:.3g}".replace("-", "−")},
             "channels": {role: {"offset": channel["offset"] - shift}},
         }
-    if code in ("angle-units", "torque-unit", "emg-unit") and (
-        unit := _unit(finding, channels[roles[0]], FACTORS[kind(roles[0])])
-    ):
+    if code in ("angle-units", "torque-unit", "emg-unit"):
+        return _rescaled(finding, roles, channels)
+    return None
+
+
+def _rescaled(
+    finding: Mapping[str, Any], roles: Sequence[str], channels: Mapping[str, Mapping[str, Any]]
+) -> dict[str, Any] | None:
+    """Another unit where one is what a finding is certain of, else another scale."""
+    if unit := _unit(finding, channels[roles[0]], FACTORS[kind(roles[0])]):
         return {
             "label": N_("It is {unit}"),
             "given": {"unit": unit.replace("uV", "µV")},
             "channels": {each: {"unit": unit} for each in roles},
         }
-    return None
+    if (scaled := _SCALED.search(_lines(finding))) is None:
+        return None
+    factor = float(scaled[1])
+    return {
+        "label": N_("Scale by {factor}"),
+        "given": {"factor": f"{factor:.6g}"},
+        "channels": {each: {"scale": channels[each]["scale"] * factor} for each in roles},
+    }
 
 
 def _lines(finding: Mapping[str, Any]) -> str:

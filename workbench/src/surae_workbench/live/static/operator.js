@@ -4,6 +4,7 @@ import { get, post } from "../js/core/api.js";
 import { button, byId, h, num, replace, table } from "../js/core/dom.js";
 import { minus, number, r2, unitText, verdictText } from "../js/core/format.js";
 import { _, chooseLanguage, decimal, language, many, said } from "../js/core/words.js";
+import { showChannels } from "./channels.js";
 import { at, listen, surface } from "./stream.js";
 
 const act = (name, body) => post(`/api/live/${name}`, body);
@@ -127,7 +128,7 @@ function unbroken(seen) {
 }
 
 function showClock(now) {
-  let text = state.ready ? _("Ready") : _("Getting ready …");
+  let text = state.ready ? (state.mapped ? _("Ready") : _("Which channel is which?")) : _("Getting ready …");
   if (state.running !== null) {
     const own = state.begin === null ? null : now - state.begin;
     const { seconds } = state.asked;
@@ -155,15 +156,12 @@ function heardFrame(frame) {
 // --- reports --------------------------------------------------------------------------------
 
 function showStreams() {
-  const report = { good: ["keep", _("good")], changed: ["look", _("changed")], silent: ["look", _("silent")], lost: ["repeat", _("lost")] };
-  const missing = [
-    !state.streams.length && _("None yet: start the programs that send streams of LSL."),
-    state.streams.length && !state.roles.length && _("Which channel is the angle? Their names do not say it: start again with --mapping MAP.toml."),
-  ].filter(Boolean);
+  const report = { changed: ["look", _("changed")], silent: ["look", _("silent")], lost: ["repeat", _("lost")] };
+  const missing = [!state.streams.length && _("None yet: start the programs that send streams of LSL.")].filter(Boolean);
   replace(
     byId("streams"),
     state.streams.map((stream) => {
-        const [kind, word] = report[stream.state === "good" && stream.remark ? "changed" : stream.state];
+      const [kind, word] = report[stream.state === "good" && stream.remark ? "changed" : stream.state] ?? use(stream);
       const rate = stream.measured_hz === null ? "" : _("{now} of {whole} Hz", { now: stream.measured_hz.toFixed(0), whole: stream.rate_hz.toFixed(0) });
       const clock = stream.offset_ms === null ? "" : ", " + _("clock {ms} ms", { ms: number(Math.round(10 * stream.offset_ms) / 10, 2) });
       const wrong = [
@@ -188,6 +186,22 @@ function showStreams() {
     box.hidden = true;
     delete box.dataset.disk;
   }
+}
+
+/** The choice of channels: anew where the streams, or what they are used for, are others. */
+function offerChannels() {
+  const key = JSON.stringify([state.mapped, state.streams.map((stream) => [stream.name, stream.channels, stream.roles])]);
+  if (byId("channels").dataset.key === key) return;
+  byId("channels").dataset.key = key;
+  tried(() => showChannels(state, refresh, tried));
+}
+
+/** What a stream that sends is good for: it is good once it has signals, and a trial of them was judged. */
+function use(stream) {
+  if (!state.mapped) return ["wait", _("sends")];
+  if (!stream.roles.length) return ["wait", _("not used")];
+  if (stream.bad !== null) return ["look", _("see trial {n}", { n: stream.bad })];
+  return stream.judged ? ["keep", _("good")] : ["wait", _("not judged yet")];
 }
 
 /** What goes wrong now: seen as long as it lasts, heard once. */
@@ -281,7 +295,15 @@ function showAsked() {
   byId("asked").textContent = state.asked.protocol
     ? `${_(state.asked.protocol)}, ${state.asked.seconds.toFixed(0)} s`
     : _("Nothing is loaded: a trial records what comes, until it is stopped.");
-  replace(byId("moves"), h("p", {}, _("{device}, from {low}° to {high}°", { ...state.moves, low: minus(state.moves.low), high: minus(state.moves.high) })), state.limits.map((limit) => {
+  const moves = { ...state.moves, low: minus(state.moves.low), high: minus(state.moves.high) };
+  const device = byId("device");
+  if (!device.options.length) {
+    replace(device, h("option", { value: "" }, _("none known")), [...new Set([...moves.devices, moves.device].filter(Boolean))].map((name) => h("option", { value: name }, name)));
+    device.disabled = state.rehearsal;
+  }
+  if (document.activeElement !== device) device.value = moves.device ?? "";
+  const what = moves.device ? _("{device}, from {low}° to {high}°", moves) : _("No device is chosen: movements go from {low}° to {high}°, and no limit of a device is watched.", moves);
+  replace(byId("moves"), h("p", {}, what), state.limits.map((limit) => {
     const text = said(limit);
     return h("p", { class: limit.exceeded ? "alert" : null }, text[0].toUpperCase() + text.slice(1));
   }));
@@ -297,6 +319,7 @@ function showAll() {
   byId("faults").hidden = !state.rehearsal;
   showAlarms();
   showStreams();
+  offerChannels();
   showTrials();
   showSession();
   showAsked();
@@ -388,6 +411,10 @@ function showMovement() {
   for (const id of ["task", "seconds", "chirp"]) byId(id).disabled = Boolean(chosen?.designed) || chosen?.name === "maximum";
 }
 byId("profile").addEventListener("change", showMovement);
+byId("device").addEventListener("change", () => tried(async () => {
+  await act("device", { name: byId("device").value });
+  await refresh();
+}));
 byId("tells").addEventListener("click", () => tried(async () => {
   replace(byId("told"), h("p", { class: "muted" }, _("Being computed; it takes a minute.")));
   const { tells } = await act("tells");
@@ -427,6 +454,7 @@ tried(async () => {
       Object.assign(state, report);
       showAlarms();
       showStreams();
+      offerChannels();
       showAsked();
     },
     trial: (trial) => {

@@ -1,6 +1,8 @@
 """Subjects and recordings: what they are, how they look, what is wrong with them."""
 
+import re
 from collections import Counter
+from collections.abc import Sequence
 from functools import partial
 from typing import Annotated, Any, Literal
 
@@ -87,10 +89,24 @@ def _subject(bench: Workbench, subject: Entry) -> Subject:
 
 @router.get("/recordings")
 def get_recordings(bench: Bench) -> dict[str, list[Trial]]:
-    """List recordings, the newest first."""
+    """List recordings: the leg and visit that came last first, its trials in their order."""
     fits = Counter(id_ for fit in bench.database.all("fit") for id_ in set(fit["recordings"]))
-    rows = reversed(bench.database.all("recording"))
+    rows = in_order(bench.database.all("recording"))
     return {"recordings": [Trial(**dated(row, fits=fits[row["id"]])) for row in rows]}
+
+
+def in_order(rows: Sequence[Entry]) -> list[Entry]:
+    """Recordings, the newest visit first; its trials as their names count, not as they came in."""
+    visits: dict[tuple[Any, ...], list[Entry]] = {}
+    for row in reversed(rows):
+        visits.setdefault((row["subject"], row["side"], row.get("visit")), []).append(row)
+    return [row for each in visits.values() for row in sorted(each, key=_counted)]
+
+
+def _counted(row: Entry) -> tuple[tuple[bool, int, str], ...]:
+    """What a name is sorted by: `trial 2` comes before `trial 10`."""
+    parts = re.split(r"([0-9]+)", str(row["name"]).casefold())
+    return tuple((p.isdigit(), int(p) if p.isdigit() else 0, p) for p in parts)
 
 
 @router.get("/recordings/{id}")

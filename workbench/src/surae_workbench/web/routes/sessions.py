@@ -13,7 +13,7 @@ from surae_workbench.web.database import new_id
 from surae_workbench.web.fits import add_fit, check_draft, main_fit, versions_of
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.language import language_of
-from surae_workbench.web.project import dated, unique_name, when
+from surae_workbench.web.project import dated, unique_name
 from surae_workbench.web.routes.common import (
     ERRORS,
     REPORT,
@@ -183,10 +183,16 @@ def comparison(bench: Workbench, row: Entry) -> str:
     known = {each["id"]: session_summary(bench, each) for each in bench.database.all("session")}
     if own.fit is None or before not in known or known[before].fit is None:
         return ""
+    if unknown := [each.name for each in (known[before], own) if not each.visit]:
+        raise RefusedError(
+            400,
+            f"on which day was {' and '.join(unknown)} measured? Say it under Edit on its page: a "
+            "change is one from a day to another",
+        )
     alike = [
         each
         for each in known.values()
-        if each.fit and own.subject is not None and each.subject == own.subject
+        if each.fit and each.visit and own.subject is not None and each.subject == own.subject
     ]
     shown = {each.id: each for each in (known[before], own, *alike[-_VISITS:])}
     visits = sorted(shown.values(), key=lambda each: (each.visit, each.name))
@@ -246,8 +252,8 @@ def _usual_name(bench: Workbench, rows: Sequence[Entry], words: api.Words) -> st
 
 
 def _day(row: Entry) -> str:
-    """The day of a visit: as it was told, or that of the import."""
-    return str(row.get("visit") or (when(row["created"]) or "")[:10])
+    """The day of a visit as it was told; empty where nobody did: the day of the import is none."""
+    return str(row.get("visit") or "")
 
 
 def keep_session(bench: Workbench, job: Entry, end: Mapping[str, Any]) -> str:

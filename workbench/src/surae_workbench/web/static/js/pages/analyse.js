@@ -18,9 +18,10 @@ let chosen = null;
 /** Efforts that were stated, by recording. */
 const efforts = {};
 
-/** What belongs together at first: the recordings of the newest one's leg. */
+/** What belongs together at first: the recordings of the newest visit of a leg. */
 function leg() {
-  return recordings.filter((one) => one.subject === recordings[0].subject && one.side === recordings[0].side).map((one) => one.id);
+  const [first] = recordings;
+  return recordings.filter((one) => ["subject", "side", "visit"].every((key) => one[key] === first[key])).map((one) => one.id);
 }
 
 function showRecordings() {
@@ -46,7 +47,7 @@ const sort = latest(async () => {
   return replace(byId("trials"), sorted(answer.trials));
 });
 
-const request = () => ({ recordings: [...chosen], efforts: Object.fromEntries(Object.entries(efforts).filter(([id]) => chosen.has(id))) });
+const request = () => ({ recordings: recordings.map((one) => one.id).filter((id) => chosen.has(id)), efforts: Object.fromEntries(Object.entries(efforts).filter(([id]) => chosen.has(id))) });
 
 const sorted = (trials) =>
   table(_("What each trial is"), [_("Trial"), _("What it is"), _("Effort"), _("Used for")], trials.map((one) => [

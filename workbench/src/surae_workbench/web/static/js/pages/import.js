@@ -10,8 +10,9 @@ import { editSubject } from "../ui/dialog.js";
 import { ranges } from "../ui/describe.js";
 import { findingsTable } from "../ui/findings.js";
 import { emptyMapping, mappingTable } from "../ui/mapping.js";
-import { forTrial, legOf, trialsAmong, trialsWithin } from "../ui/trials.js";
-import { _, many, said } from "../core/words.js";
+import { labelOf, mended, remediesOf, remedy, swapping } from "../ui/remedies.js";
+import { forTrial, inOrder, legOf, trialsAmong, trialsWithin } from "../ui/trials.js";
+import { _, many } from "../core/words.js";
 
 const box = { upload: byId("upload-error"), inspect: byId("inspect-error"), mapping: byId("mapping-error") };
 const KEPT = "surae.import";
@@ -27,6 +28,9 @@ let units = { roles: [], units: {} };
 let guessed = {};
 /** Trials, each a file or a part of one; empty where all are parts of one recording. */
 let trials = [];
+/** Whether it was said that nobody knows the day; whether the trials are on their way. */
+let dayUnknown = false;
+let leaving = false;
 
 // What was chosen survives a reload, in this tab only.
 const keep = () => {
@@ -37,7 +41,9 @@ const kept = () => JSON.parse(sessionStorage.getItem(KEPT) ?? "null");
 
 async function receive(files) {
   await ready; // else what was there before would come after these, and in their place
+  if (!byId("earlier").hidden) await beginAnew(); // other files are another leg's
   calm(box.upload);
+  if (files.some((file) => !/\.toml$/i.test(file.name))) forgetPerson();
   byId("upload-progress").textContent = _("Reading {files} …", { files: files.map((file) => `${file.name} (${bytes(file.size)})`).join(", ") });
   guessed = legOf(files.map((file) => file.webkitRelativePath || file.name));
   const sent = await Promise.all(files.map((file) => upload(`/api/uploads${query({ name: file.name })}`, file).catch((error) => complain(box.upload, error))));
@@ -45,8 +51,15 @@ async function receive(files) {
   byId("upload-progress").textContent = arrived.length ? _("{files} received.", { files: arrived.map((one) => one.name).join(", ") }) : "";
   if (!arrived.length) return;
   await listUploads();
-  included = new Set(arrived.map((one) => one.id));
+  included = new Set(inOrder(arrived).map((one) => one.id));
   await inspect();
+}
+
+/** What was said of the person and the day is of the files before, and of no others. */
+function forgetPerson() {
+  for (const one of [...byId("subject").options]) if (one.value.startsWith(NEW)) one.remove();
+  for (const id of ["subject", "trial", "condition", "visit", "side"]) byId(id).value = "";
+  dayUnknown = false;
 }
 
 async function listUploads() {
@@ -96,7 +109,7 @@ async function inspect(given = null) {
   showUploads();
   // A description beside several trials is of one of them, and serves all.
   const described = read.some((one) => isMapping(one.id));
-  trials = trialsAmong(read.filter((one) => !isMapping(one.id)));
+  trials = inOrder(trialsAmong(read.filter((one) => !isMapping(one.id))));
   if (read.length === 1) trials = trialsWithin(read[0]);
   const together = trials.length && !described ? trials[0] : read.length > 1 ? await both() : read[0];
   const ofTrial = (one) => Object.values(together?.mapping.channels ?? {}).some((channel) => channel.upload === one.id);
@@ -165,58 +178,74 @@ function body() {
   };
 }
 
-/** What was found, in a line, with the one click that mends it. */
-function offer(findings) {
+/** What was found, in a line, with the clicks that mend it. */
+function offer(seen) {
   byId("offer-card").hidden = false;
-  const mend = findings.find((one) => /-sign$/.test(one.code) && one.mend)?.mend;
+  const offered = remediesOf(seen);
+  const mend = offered.find((one) => /-sign$/.test(one.code))?.mend;
   const muscles = EMG.filter((role) => mapping.channels[role]);
   const turned = mend && Object.keys(mend.channels);
   const signs = turned && (turned.length > 1 ? _("both signs look turned") : turned[0] === "angle" ? _("the sign of the angle looks turned") : _("the sign of the torque looks turned"));
   const emg = muscles.length ? many("EMG of {n} muscle", "EMG of {n} muscles", muscles.length) : _("no EMG");
   byId("offer").textContent = `${[many("{n} trial found", "{n} trials found", trials.length || 1), emg, signs].filter(Boolean).join(", ")}.`;
-  byId("turn").hidden = !mend;
-  byId("turn").textContent = mend ? said({ text: mend.label, given: mend.given }) : "";
-  byId("turn").className = mend ? "primary" : "";
-  byId("analyse").className = mend ? "" : "primary";
-  byId("analyse").textContent = mend ? _("Analyse as it is") : _("Analyse");
-  byId("turn").onclick = () => {
-    for (const [role, change] of Object.entries(mend.channels)) Object.assign(mapping.channels[role], change);
-    byId("turn").hidden = true;
+  byId("analyse").className = offered.length ? "" : "primary";
+  byId("analyse").textContent = offered.length ? _("Analyse as it is") : _("Analyse");
+  const key = JSON.stringify([mapping.channels, offered.map((one) => [one.trial.name, labelOf(one.mend)])]);
+  if (byId("remedies").dataset.key === key) return;
+  byId("remedies").dataset.key = key;
+  const look = (trial) => (change) => seenAs(trial.of, mended(body().mapping, change));
+  const use = (change) => {
+    mapping = { ...mapping, ...mended(mapping, change) };
     changed();
   };
+  replace(byId("remedies"), offered.map((one) => remedy(one, look(one.trial), use)), swapping(mapping, seen[0], look(seen[0]), use));
 }
 
-/** Of several trials the first that moves: a hold shows no sign. */
-async function seenAs(request) {
-  let seen = null;
-  for (const one of trials.length ? trials : [null]) {
-    const mapped = one ? forTrial(one, request.mapping) : request.mapping;
-    const here = await post("/api/imports/preview", { ...request, mapping: mapped });
-    seen ??= { ...here, name: one?.name };
-    if (!one || !here.findings.some((f) => f.code === "angle-still")) return { ...here, name: one?.name };
-  }
-  return seen;
+/** What a trial, or the one recording, is with a mapping. */
+async function seenAs(one, mapped) {
+  const seen = await post("/api/imports/preview", { ...body(), mapping: one ? forTrial(one, mapped) : mapped });
+  return { ...seen, name: one?.name, of: one };
 }
 
+let asked = 0;
+/** Every trial is looked at, one after the other, and shown as it comes: what was found is of that file. */
 const preview = latest(async () => {
   const request = body();
+  const own = ++asked;
   keep();
   calm(box.mapping);
-  try {
-    const seen = await seenAs(request);
-    offer(seen.findings);
-    replace(
-      byId("preview"),
-      h("h3", {}, _("As it will be imported: {what}", { what: [seen.name, seconds(seen.duration_s)].filter(Boolean).join(", ") })),
-      seen.twin && h("p", { class: "note" }, _("These files are in the project already. There, what they mean can be changed; to import them again makes a second recording:"), " ", h("a", { href: `/recordings/${seen.twin.id}` }, seen.twin.name)),
-      ranges(seen.channels),
-      findingsTable(seen.findings, null),
-    );
-  } catch (error) {
-    replace(byId("preview"));
-    complain(box.mapping, error);
+  const seen = [];
+  const failed = [];
+  const several = trials.length > 1;
+  for (const one of trials.length ? trials : [null]) {
+    try {
+      seen.push(await seenAs(one, request.mapping));
+    } catch (error) {
+      if (!several) replace(byId("preview"));
+      failed.push(several ? `${one.name}: ${error.message}` : error.message);
+      complain(box.mapping, new Error(failed.join("; ")));
+      continue;
+    }
+    if (own !== asked || leaving) return;
+    replace(byId("preview"), seen.map((each) => shown(each, several)), several && seen.length + failed.length < trials.length ? h("p", { class: "muted" }, _("{done} of {total} looked at", { done: seen.length, total: trials.length })) : null);
+    // A hold shows no sign: what is offered waits for a trial that moves.
+    if (!several || seen.length + failed.length === trials.length || seen.some((each) => !each.findings.some((f) => f.code === "angle-still"))) offer(seen);
   }
 });
+
+/** One trial as it will be imported, with what was found in it. */
+function shown(seen, several) {
+  const wrong = seen.findings.filter((one) => one.severity !== "info").length;
+  const content = [
+    seen.twin && h("p", { class: "note" }, _("These files are in the project already. There, what they mean can be changed; to import them again makes a second recording:"), " ", h("a", { href: `/recordings/${seen.twin.id}` }, seen.twin.name)),
+    ranges(seen.channels),
+    findingsTable(seen.findings, null),
+  ];
+  const title = _("As it will be imported: {what}", { what: [seen.name, seconds(seen.duration_s)].filter(Boolean).join(", ") });
+  if (!several) return [h("h3", {}, title), content];
+  const count = wrong ? many("{n} finding", "{n} findings", wrong) : _("nothing to object to");
+  return h("details", { class: "of-trial", open: seen.of === trials[0] }, h("summary", {}, h("strong", {}, seen.name), ` ${seconds(seen.duration_s)}, ${count}`), content);
+}
 const check = settled(() => byId("mapping-card").hidden || preview(), 350);
 
 async function listSubjects(chosen = byId("subject").value) {
@@ -243,9 +272,22 @@ async function subjectMade() {
   return Boolean(made);
 }
 
+/** Whether the day of the visit is told, or said to be unknown; else it is asked for. */
+function dayTold() {
+  if (byId("visit").value || dayUnknown) return true;
+  replace(byId("day-asked"), _("On which day was this measured? Changes are told from one day to another."), " ", button(_("It is not known"), () => {
+    dayUnknown = true;
+    byId("day-asked").hidden = true;
+  }, { class: "small" }));
+  byId("day-asked").hidden = false;
+  byId("visit").focus();
+  return false;
+}
+
 /** Every trial by the one description; then they are analysed, or wait in the project. */
 async function importTrials(analyse = false) {
-  if (!(await subjectMade())) return;
+  if (!dayTold() || !(await subjectMade())) return;
+  leaving = true;
   const request = body();
   const failed = [];
   calm(box.mapping);
@@ -263,7 +305,7 @@ async function importTrials(analyse = false) {
     }
   }));
   const recordings = made.filter(Boolean);
-  byId("import").disabled = byId("analyse").disabled = false;
+  byId("import").disabled = byId("analyse").disabled = leaving = false;
   byId("upload-progress").textContent = "";
   if (analyse && recordings.length && !(await attempt(byId("offer-error"), () => post("/api/sessions", { recordings })))) return;
   if (failed.length) {
@@ -277,7 +319,7 @@ async function importTrials(analyse = false) {
 byId("mapping-card").addEventListener("submit", async (event) => {
   event.preventDefault();
   if (trials.length) return importTrials();
-  if (!(await subjectMade())) return;
+  if (!dayTold() || !(await subjectMade())) return;
   const made = await attempt(box.mapping, () => post("/api/imports", body()), byId("import"));
   if (!made) return;
   sessionStorage.removeItem(KEPT);
@@ -287,7 +329,7 @@ byId("mapping-card").addEventListener("submit", async (event) => {
 
 /** One file has the same way to its answer as a folder. */
 async function analyseOne() {
-  if (!(await subjectMade())) return;
+  if (!dayTold() || !(await subjectMade())) return;
   const made = await attempt(box.mapping, () => post("/api/imports", body()), byId("analyse"));
   if (!made || !(await attempt(byId("offer-error"), () => post("/api/sessions", { recordings: [made.id] })))) return;
   sessionStorage.removeItem(KEPT);
@@ -329,11 +371,42 @@ async function filesOf(entry) {
 }
 onChanged(["subjects"], () => attempt(box.mapping, () => listSubjects()));
 
-const ready = attempt(box.upload, async () => {
+/** Files that were left here: they go on only if somebody says so, as they may be another leg's. */
+function askOfEarlier() {
+  byId("earlier").hidden = false;
+  byId("uploads-card").hidden = true;
+  const names = inOrder(uploads).map((one) => one.name);
+  const shownNames = names.length > 4 ? [...names.slice(0, 3), "…", names.at(-1)] : names;
+  replace(
+    byId("earlier"),
+    h("span", {}, many("{n} file is here from before: {names}.", "{n} files are here from before: {names}.", names.length, { names: shownNames.join(", ") })),
+    button(_("Go on with them"), goOn, { class: "primary" }),
+    button(_("Begin anew"), () => attempt(box.upload, beginAnew)),
+  );
+}
+
+async function goOn() {
   const before = kept();
-  [units] = await Promise.all([get("/api/units"), listSubjects(), listUploads()]);
-  if (!uploads.length) return;
-  included = new Set((before?.included ?? [uploads[uploads.length - 1].id]).filter((id) => uploads.some((one) => one.id === id)));
+  byId("earlier").hidden = true;
+  const known = (before?.included ?? []).filter((id) => uploads.some((one) => one.id === id));
+  included = new Set(known.length ? known : inOrder(uploads).map((one) => one.id));
   for (const [id, value] of before?.entered ?? []) byId(id).value = value;
-  await inspect(included.size && before ? before.mapping : null);
+  showUploads();
+  await inspect(known.length ? before.mapping : null);
+}
+
+/** Files from before go to the trash, and what was said of them with them. */
+async function beginAnew() {
+  byId("earlier").hidden = true;
+  await Promise.all(uploads.map((one) => remove(`/api/uploads/${one.id}`)));
+  sessionStorage.removeItem(KEPT);
+  included = new Set();
+  inspected.clear();
+  forgetPerson();
+  await listUploads();
+}
+
+const ready = attempt(box.upload, async () => {
+  [units] = await Promise.all([get("/api/units"), listSubjects(), listUploads()]);
+  if (uploads.length) askOfEarlier();
 });

@@ -15,7 +15,7 @@ let place = null; // where the card of the change shows what it compares
 async function show() {
   const answer = await get(`/api/sessions/${id}`);
   ({ summary } = answer);
-  headline(summary.name, [words[summary.side], summary.visit]);
+  headline(summary.name, [words[summary.side], summary.visit || words.dayless]);
   byId("report-pdf").hidden = !answer.paper;
   byId("joint").hidden = !summary.fit;
   byId("joint").href = `/fits/${summary.fit}`;
@@ -50,10 +50,10 @@ byId("edit").addEventListener("click", () => attempt(byId("error"), async () => 
   const name = h("input", { type: "text", required: true, maxlength: 120, value: summary.name });
   const subject = select({}, [["", words.unknown], ...subjects.map((one) => [one.id, one.code])], summary.subject ?? "");
   const side = select({}, [["", words.unknown], ["left", words.left], ["right", words.right]], summary.side ?? "");
-  const visit = h("input", { type: "date", required: true, value: summary.visit });
+  const visit = h("input", { type: "date", value: summary.visit });
   const content = h("div", { class: "fields" }, field(words.name, name), field(words.subject, subject), field(words.side, side), field(words.visit, visit));
   if (!(await ask(words.edit, content, { confirm: words.save, cancel: words.cancel }))) return;
-  await patch(`/api/sessions/${id}`, { name: name.value.trim(), subject: subject.value || null, side: side.value || null, visit: visit.value });
+  await patch(`/api/sessions/${id}`, { name: name.value.trim(), subject: subject.value || null, side: side.value || null, visit: visit.value || null });
   await show();
 }));
 

@@ -18,6 +18,23 @@ const KEPT = "surae.protocol.4";
 const box = byId("error");
 let choices = null;
 const numbers = () => choices.settings.filter((one) => one.kind === "number");
+const DEGREES = 180 / Math.PI;
+/** Angles are entered in degrees; what is asked for, and kept, is in radians. */
+const factor = (label) => (label.includes("[rad]") ? DEGREES : 1);
+const entry = (value, by = DEGREES) => (value === null || value === undefined ? "" : by === 1 ? value : Number((value * by).toFixed(1)));
+
+/** Put a value into a field, as it is shown; `read` gives it back to the last digit unless it was typed over. */
+function put(id, value, by = DEGREES) {
+  const field = byId(id);
+  field.value = entry(value, by);
+  [field.dataset.shown, field.dataset.own] = [field.value, value ?? ""];
+}
+
+function read(id, by = DEGREES) {
+  const { value, dataset } = byId(id);
+  if (value === "") return null;
+  return value === dataset.shown && dataset.own !== "" ? Number(dataset.own) : Number(value) / by;
+}
 /** A kept design that is shown: its plan and limits go with the settings. */
 let kept = null;
 
@@ -35,19 +52,21 @@ function entered() {
     ...(kept ?? {}),
     task: byId("task").value,
     device: byId("device").value || null,
-    angle_range: [Number(byId("low").value), Number(byId("high").value)],
+    angle_range: [read("low"), read("high")],
     adapt: byId("adapt").checked,
   };
-  for (const { path: [key] } of numbers()) settings[key] = byId(key).value === "" ? null : Number(byId(key).value);
+  for (const { path: [key], label } of numbers()) settings[key] = read(key, factor(label));
   return { settings, model: byId("model").value, population: byId("population").value, noise: Number(byId("noise").value), film: byId("film").value };
 }
 
 function fill({ settings, model, population, noise, film }) {
   kept = settings.plan ? { plan: settings.plan, limits: settings.limits } : null;
   showKept();
-  for (const key of ["profile", "task", ...numbers().map(({ path }) => path[0])]) byId(key).value = settings[key] ?? "";
+  for (const key of ["profile", "task"]) byId(key).value = settings[key] ?? "";
+  for (const { path: [key], label } of numbers()) put(key, settings[key], factor(label));
   byId("device").value = settings.device ?? "";
-  [byId("low").value, byId("high").value] = settings.angle_range;
+  put("low", settings.angle_range[0]);
+  put("high", settings.angle_range[1]);
   byId("adapt").checked = settings.adapt;
   if (model) byId("model").value = model;
   if (population) byId("population").value = population;
@@ -79,10 +98,9 @@ const preview = latest(async () => {
 });
 
 function show(seen) {
-  const degrees = 180 / Math.PI;
   const scaled = (values, factor) => values.map((x) => x * factor);
-  plots[0].show([seen.t, scaled(seen.angle, degrees)], null);
-  plots[1].show([seen.t, scaled(seen.velocity, degrees)], null);
+  plots[0].show([seen.t, scaled(seen.angle, DEGREES)], null);
+  plots[1].show([seen.t, scaled(seen.velocity, DEGREES)], null);
   plots[2].show([seen.t, ...seen.effort.map((one) => scaled(one, 100))], null);
   const { prediction, adaptation, caution } = seen;
   replace(
@@ -97,11 +115,22 @@ function show(seen) {
     [_("Identified"), _("{n} of {whole}", { n: prediction.identified, whole: Object.keys(prediction.parameters).length })],
     [_("Largest error"), `${part(prediction.worst)} (${prediction.weakest})`],
     [_("Geometric mean"), part(prediction.geometric_mean)],
-    [_("Torque"), `${number(prediction.torque_Nm[0], 3)} … ${number(prediction.torque_Nm[1], 3)} Nm`],
+    ...atRest(prediction),
+    ...(prediction.load ? [[_("Torque on the device, all virtual legs"), `${number(prediction.load.torque[0], 2)} … ${number(prediction.load.torque[1], 2)} Nm`]] : []),
   ];
   replace(byId("figures"), figures(entries));
   replace(byId("prediction"), predicted(Object.entries(prediction.parameters), seen.notes));
   byId("said").textContent = [_("Worked out in {s} s, over {legs}", { s: number(seen.milliseconds / 1000, 2), legs: said(seen.legs) }), caution && said(caution)].filter(Boolean).join("; ") + ".";
+}
+
+/** What it would tell of the relaxed leg's stiffness, and which change of it two such visits would show. */
+function atRest({ at_rest: rest, measures }) {
+  const told = rest.end_stiffness;
+  const change = measures.end_stiffness?.would_show;
+  return [
+    [_("Stiffness of the relaxed leg, end of the range"), told ? `±${part(told.half_width)}` : _("not told")],
+    ...(change ? [[_("Change of it that two visits would show"), part(change)]] : []),
+  ];
 }
 
 const part = (x) => (x === null ? "—" : percent(100 * x, 2));
@@ -125,7 +154,7 @@ const predicted = (parameters, notes) =>
 const savedTable = sortable(_("Protocols of this project"), [
   { title: _("Name"), value: (p) => p.name, show: (p) => p.name },
   { title: _("Profile"), value: (p) => p.settings.profile, show: (p) => p.settings.profile },
-  { title: _("Chirp"), value: (p) => p.settings.chirp_amplitude, show: (p) => p.settings.plan ? "—" : `${number(p.settings.chirp_amplitude, 3)} rad, ${number(p.settings.chirp_rate, 3)} Hz/s` },
+  { title: _("Chirp"), value: (p) => p.settings.chirp_amplitude, show: (p) => p.settings.plan ? "—" : `${number(p.settings.chirp_amplitude * DEGREES, 3)}°, ${number(p.settings.chirp_rate, 3)} Hz/s` },
   { title: _("Device"), value: (p) => p.settings.device, show: (p) => p.settings.device ?? _("none") },
   { title: _("Saved"), value: (p) => p.created, show: (p) => when(p.created) },
   {
@@ -203,7 +232,7 @@ attempt(box, async () => {
   replace(byId("device"), option("", _("none")), known.devices.map((one) => option(one.name)));
   replace(byId("population"), known.populations.map((one) => option(one.name ?? one, _(one.name ?? one))));
   replace(byId("model"), known.models.map((one) => option(one.name, _(one.title))));
-  replace(byId("numbers"), numbers().map((one) => field(_(one.label), h("input", { id: one.path[0], type: "number", min: one.least, max: one.most, step: "any", required: !one.optional, placeholder: one.optional && _("own") }))));
+  replace(byId("numbers"), numbers().map((one) => field(_(one.label).replace("[rad]", "[°]"), h("input", { id: one.path[0], type: "number", min: one.least === null ? null : entry(one.least, factor(one.label)), max: one.most === null ? null : entry(one.most, factor(one.label)), step: "any", required: !one.optional, placeholder: one.optional && _("own") }))));
   fill(JSON.parse(localStorage.getItem(KEPT) ?? "null") ?? known.start);
   const [job] = await active("design");
   if (job) watch(job);

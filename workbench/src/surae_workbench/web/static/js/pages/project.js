@@ -55,7 +55,7 @@ const legsTable = sortable(_("Legs of the project"), [
   { title: _("Leg and visit"), value: (s) => s.name, show: (s) => h("a", { href: `/sessions/${s.id}` }, s.name) },
   { title: _("Subject"), value: (s) => code(s.subject), show: (s) => code(s.subject) ?? "—" },
   { look: "minor", title: _("Side"), value: (s) => s.side, show: (s) => s.side ? _(s.side) : "—" },
-  { title: _("Visit"), value: (s) => s.visit, show: (s) => s.visit },
+  { title: _("Visit"), value: (s) => s.visit, show: (s) => s.visit || _("not known") },
   { look: "minor", title: _("Trials"), numeric: true, value: (s) => s.trials, show: (s) => String(s.trials) },
   { title: _("Fit"), value: (s) => s.grade, show: (s) => (s.grade ? mark(s.grade) : _("none")) },
   { title: "", show: (s) => drop("sessions", s, s.name) },

@@ -31,7 +31,8 @@ function row(one, act) {
     h("td", {}, mark(one.severity)),
     h("td", {}, one.channel ? roleText(one.channel) : "—"),
     h("td", { class: "nowrap" }, timed(one) ? span(one.start_s, one.end_s) : "—"),
-    h("td", {}, what, h("div", { class: "muted small" }, said({ text: one.advice, ...one.advised }))),
+    // Where a button does it, nobody has to write a mapping.
+    h("td", {}, what, !one.mend && h("div", { class: "muted small" }, said({ text: one.advice, ...one.advised }))),
     act &&
       h(
         "td",

@@ -15,6 +15,9 @@ export const trialList = (trials, chosen, choose, about) =>
     ),
   ));
 
+/** Files, or trials, as their names count: trial 2 before trial 10. */
+export const inOrder = (named) => [...named].sort((a, b) => a.name.localeCompare(b.name, undefined, { numeric: true }));
+
 /** The files of which each holds an angle of its own; none where they are parts of one recording. */
 export const trialsAmong = (files) => (files.length > 1 && files.every((one) => one.mapping.channels?.angle && one.columns.length) ? files : []);
 

@@ -1,0 +1,89 @@
+"""What a family's member is worth of a movement that the fit has not seen.
+
+Departures are chosen by what they explain of the fit's own movement: how the torque goes with speed
+and angle there. Of another movement nothing says that they go on so, and the simplest member, which
+has none, is as likely to be right. So there both are averaged, each by what it leaves of the fit's
+own torque, as linear combinations of forecasts are (Bates and Granger 1969); how far they are apart
+widens the interval.
+
+J. M. Bates, C. W. J. Granger (1969). The combination of forecasts. Operational Research Quarterly
+20(4):451-468.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from surae.base.units import FloatArray
+from surae.inference import FitResult
+from surae.inference.judging.goodness import counted
+from surae.model import get_model
+from surae.model.laboratory import RIGID
+from surae.signals import ModelInputs
+
+#: A movement is the fit's where its angle and its speed scatter by up to so many times as much.
+_ALIKE = 1.1
+
+
+@dataclass(frozen=True, slots=True)
+class Averaged:
+    """A torque of two members of a family."""
+
+    torque: FloatArray  #: [Nm], shape (n,).
+    share: float  #: Weight of the simplest member, 0 … 1.
+    row: FloatArray  #: By how much they are apart, as a shift of the torque [Nm], shape (n,).
+
+
+def moves_otherwise(others: Sequence[ModelInputs], recording: ModelInputs) -> bool:
+    """Whether a recording's angle and speed scatter otherwise than those of all of the others."""
+
+    def scatters(of: ModelInputs) -> FloatArray:
+        own = np.stack([of.angle, of.velocity])[:, of.counts]
+        return np.asarray(np.maximum(own.std(axis=1), 1e-6))
+
+    own = scatters(recording)
+    apart = [np.abs(np.log(own / scatters(each))).max() for each in others]
+    return bool(min(apart) > np.log(_ALIKE))
+
+
+def averaged(result: FitResult, recording: ModelInputs, torque: FloatArray) -> Averaged | None:
+    """The torque of a family's fit of another movement; None where it stays as it is.
+
+    Parameters
+    ----------
+    result : FitResult
+        A fit of the family, which knows its simplest member.
+    recording : ModelInputs
+        What is predicted. Signals that a causal filter made are of a predictor, which has one
+        model.
+    torque : ndarray, shape (n,)
+        By the fit's own parameters [Nm].
+
+    Returns
+    -------
+    Averaged or None
+        None of a named model, of the fit's movement, and where the simplest member has no torque.
+    """
+    problem = result.problem
+    known = result.posterior
+    if known is None or not known.simplest or recording.effort is not None:
+        return None
+    if not moves_otherwise(problem.inputs, recording):
+        return None
+    spec = get_model(RIGID)
+    vector = spec.vector(known.simplest, problem.options)
+
+    def simplest(of: ModelInputs) -> FloatArray:
+        with np.errstate(over="ignore", invalid="ignore"):
+            return np.asarray(spec.simulator(of, problem.options).torque(vector))
+
+    plain = simplest(recording)
+    own = [counted(r, e)[1] for r, e in zip(problem.inputs, result.residuals, strict=True)]
+    left = [counted(r, r.torque - simplest(r))[1] for r in problem.inputs if r.torque is not None]
+    mine, its = (float(np.mean(np.concatenate(each) ** 2)) for each in (own, left))
+    if not (np.isfinite(plain).all() and np.isfinite(its) and mine + its > 0.0):
+        return None
+    share = mine / (mine + its)
+    apart = plain - torque
+    return Averaged(torque + share * apart, share, np.sqrt(share * (1.0 - share)) * apart)
