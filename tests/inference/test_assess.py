@@ -260,3 +260,8 @@ def test_a_verdict_that_hangs_on_one_of_several_starts_is_none(fitted, monkeypat
     for name in sure:
         assert found.parameters[name].verdict is Verdict.WEAK
         assert "its starts disagree" in found.parameters[name].note
+    alone = replace(fitted.solution, starts=fitted.solution.starts[:1], agreeing=1)
+    found = assess(replace(fitted, solution=alone))
+    for name in sure:
+        assert found.parameters[name].verdict is Verdict.WEAK
+        assert "one start alone was made" in found.parameters[name].note

@@ -51,7 +51,8 @@ class Device:
         """Send samples that end now, or with time stamps of their own."""
         rows = np.tile(row or self.row, (count, 1))
         kind = self.outlet.channel_format
-        rows = np.ascontiguousarray(rows, dtype=np.float32 if kind == 1 else np.float64)
+        types = {1: np.float32, 4: np.int32, 5: np.int16}
+        rows = np.ascontiguousarray(rows, dtype=types.get(kind, np.float64))
         self.outlet.push_chunk(rows, self.clock() if stamps is None else list(stamps))
 
     def all_arrive(self, recorder, count=200) -> None:
@@ -373,6 +374,18 @@ def test_values_and_stamps_that_are_no_numbers_end_nothing(lsl, tmp_path, stamp)
         for s in pyxdf.load_xdf(tmp_path / "out" / "between-01.xdf", dejitter_timestamps=False)[0]
     ]
     assert all(np.isfinite(each).all() and (np.abs(each) < 1e11).all() for each in stamps)
+
+
+@pytest.mark.parametrize("kind", ["int16", "int32"])
+def test_integers_are_recorded_as_they_are(lsl, tmp_path, kind) -> None:
+    """A converter's counts; their scale is the mapping's matter, as of any file."""
+    with recording(tmp_path) as recorder:
+        device = Device(lsl, kind=kind)
+        device.row = [-120.0, 30000.0, 7.0]
+        device.until(lambda: heard(recorder))
+        device.all_arrive(recorder)
+    found = {name: set(values.tolist()) for name, values in columns(tmp_path / "a.xdf").items()}
+    assert found == {"dev: angle": {-120}, "dev: torque": {30000}, "dev: emg_sol": {7}}
 
 
 def test_whatever_samples_look_like_is_a_layout() -> None:

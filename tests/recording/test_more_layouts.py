@@ -396,3 +396,47 @@ def test_emg_alone_is_offered_as_maximum_contractions(file):
 def test_blank_rows_below_are_said_to_be_blank(file):
     found = inspect(file(timed("Time (s)") + "," * len(THEIRS) + "\n"))
     assert f"from row {N + 2} on all cells are blank" in found.roles["angle"].remark
+
+
+def test_rates_units_and_starts_of_single_datasets_are_their_own(tmp_path):
+    """What an EMG dataset says of its rate is not the angle's, whose samples are half as many."""
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "x.h5", "w") as made:
+        for name, values, rate, unit in (
+            ("ankle_angle", ANGLE[::2], RATE / 2, "deg"),
+            ("ankle_torque", TORQUE[::2], RATE / 2, "Nm"),
+            *((f"EMG_{m}", EMG[:, k], RATE, "mV") for k, m in enumerate(MUSCLES)),
+        ):
+            made[name] = values
+            made[name].attrs["fs"] = rate
+            made[name].attrs["units"] = unit
+            if name.startswith("EMG"):
+                made[name].attrs["start_time"] = 0.25
+    made = mapped(tmp_path / "x.h5")
+    assert made["angle"].rate_hz == pytest.approx(RATE / 2)
+    assert made["emg_sol"].rate_hz == pytest.approx(RATE)
+    assert (made["angle"].time[0], made["emg_sol"].time[0]) == (0.0, 0.25)
+    np.testing.assert_allclose(made["angle"].values, np.radians(ANGLE[::2]))
+
+
+def test_one_rate_for_channels_of_other_lengths_is_doubted(tmp_path):
+    savemat = pytest.importorskip("scipy.io").savemat
+    path = tmp_path / "x.mat"
+    savemat(path, {"fs": RATE, "ankle_angle": ANGLE[::5], "TA": EMG[:, 0]})
+    found = inspect(path)
+    assert "if it was sampled slower" in found.roles["angle"].remark
+    assert "sampled slower" not in found.roles["emg_ta"].remark
+
+
+def test_the_time_among_the_columns_of_a_matrix_is_offered(tmp_path):
+    savemat = pytest.importorskip("scipy.io").savemat
+    names = np.array(["t", "angle_deg", "torque_Nm", *MUSCLES], dtype=object)
+    path = tmp_path / "x.mat"
+    savemat(path, {"data": np.column_stack([TIME, ANGLE, TORQUE, EMG]), "names": names})
+    (clock,) = inspect(path).clocks.values()
+    assert (clock.column, clock.unit) == ("data: t", "s")
+
+
+def test_json_is_refused_by_its_name(file):
+    with pytest.raises(InputError, match="this is JSON"):
+        inspect(file('{"time": [0.0, 0.1], "angle": [1, 2]}', "x.json"))

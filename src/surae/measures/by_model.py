@@ -133,12 +133,13 @@ def _judge(
     doubt = fit.assessment.adequacy.doubt_of(rests_on(evaluated, fit))
     beyond = extrapolated(evaluated, fit.result)
     bound = _through_bound(evaluated, fit.assessment.uncertainty)
+    start = fit.result.solution.one_start
     verdict = verdict_of(
         evaluated.value,
         half,
         kind,
         doubted=doubt is not None,
-        assumed=beyond is not None or bool(bound),
+        assumed=beyond is not None or bool(bound) or bool(start),
     )
     if verdict is Verdict.UNDETERMINED:
         return verdict, Message("note/as-wide")
@@ -152,6 +153,9 @@ def _judge(
         return verdict, Message("measure/beyond", beyond=beyond, known=known)
     if bound:
         return verdict, Message("measure/bound", names=bound)
+    if start and half <= kind.identified * (abs(evaluated.value) if kind is PART else 1.0):
+        note = Message("note/known", percent=known)
+        return verdict, Message("note/but", known=note, but=Message(start))
     code = "note/known" if verdict is Verdict.IDENTIFIED else "note/known-only"
     return verdict, Message(code, percent=known)
 

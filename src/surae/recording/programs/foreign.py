@@ -16,8 +16,10 @@ from surae.base.errors import ComputationError, InputError
 from surae.base.frozen import as_read_only
 from surae.base.units import FloatArray
 from surae.processes import guarded
+from surae.recording.roles import guess_role
 from surae.recording.source import Source
-from surae.recording.table import Column, Table, instants, sample
+from surae.recording.table import Clock, Column, Table, instants, sample
+from surae.recording.times import LOOKED_AT, time_by_shape, time_named
 
 #: What a reader may take at most [s, bytes], and the more for every byte of the file: pyxdf reads
 #: about 3 MB/s, SciPy and edfio hold a file several times.
@@ -125,7 +127,20 @@ def foreign_table(
         remarks={name: column.remark for name, column in by_name.items() if column.remark},
         descriptions={name: c.description for name, c in by_name.items() if c.description},
         began=plain["began"],
+        offered=_offered(columns),
     )
+
+
+def _offered(columns: Sequence[Parsed]) -> Clock | None:
+    """The column that seems to be the time, where none has times; None where none seems so."""
+    places: list[Any] = [c.time for c in columns]
+    if any(isinstance(at, int) or at[1] for at in places) or any(c.refused for c in columns):
+        return None
+    numbers = {c.name: np.asarray(c.values[:LOOKED_AT], dtype=np.float64) for c in columns}
+    named = [name for name in numbers if time_named(name.rpartition(": ")[2]) is not None]
+    # a ramp of the angle rises evenly too
+    others = {name: values for name, values in numbers.items() if guess_role(name) is None}
+    return time_by_shape({name: numbers[name] for name in named[:1]} or others)
 
 
 def optional(module: str, format_name: str, shown: str) -> Any:

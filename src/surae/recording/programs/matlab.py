@@ -61,6 +61,8 @@ _CALENDAR = 1e6
 #: What has no times is a signal from so many samples on; beside others, from this part of theirs.
 _SIGNAL = 100
 _SHORTEST = 10
+#: A channel so many times shorter than others at one rate may have another.
+_FAR_SHORTER = 1.5
 #: How to save an object as what everybody can open, by its class; else as its structure.
 _PLAINLY = {
     "table": 's = table2struct({0}, "ToScalar", true)',
@@ -98,7 +100,7 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
         # Beside signals with times, shorter vectors are settings.
         columns = [c for c in columns if c in timed or len(c.values) >= longest // _SHORTEST]
         if any(not column.refused for column in columns):
-            return packed(columns)
+            return packed(_with_shorter(columns))
         if not columns:
             raise InputError(
                 f"{shown}: no channels: expected structures with values and interval, as Spike2 "
@@ -107,6 +109,28 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
         first, *more = columns
         others = f" ({some([c.name for c in more], 3)} likewise)" if more else ""
         raise InputError(f"{shown}: {first.name!r}: {first.refused}{others}")
+
+
+def _with_shorter(columns: Sequence[Parsed]) -> list[Parsed]:
+    """Columns, those that end far before others of the same clock with a word on that."""
+    longest: dict[tuple[float, float], int] = {}
+    for column in columns:
+        if isinstance(column.time, tuple) and column.time[1]:
+            longest[column.time] = max(longest.get(column.time, 0), len(column.values))
+
+    def remark(column: Parsed) -> str:
+        if not isinstance(column.time, tuple):
+            return column.remark
+        n, most = len(column.values), longest.get(column.time, 0)
+        if _FAR_SHORTER * n >= most:
+            return column.remark
+        said = (
+            f"it has {n} samples where others of {column.time[1]:g} Hz have {most}: if it was "
+            "sampled slower, give its start_s and rate_hz"
+        )
+        return "; ".join(filter(None, (column.remark, said)))
+
+    return [replace(column, remark=remark(column)) for column in columns]
 
 
 def _start(variables: Mapping[str, Any]) -> float:
@@ -159,6 +183,8 @@ def _signals(
         if name.casefold() in _TIMES and len(shape := _shape(value)) == 1 and shape[0] > 1
     }
     seconds = {name: time * _TIMES[name.casefold()] for name, time in times.items()}
+    clocks = _own_clocks(variables, shown)
+    alike = {len(_floats(variables[name])): clock for name, clock in clocks.items()}
     rate = None if times else _rate(variables, f"{shown}: {prefix}") or above
     start = _start(variables) or began
     for name, value in variables.items():
@@ -178,7 +204,25 @@ def _signals(
         elif name not in times and _shape(value):
             of_all = _unit_of_all(variables)
             for label, vector, unit in _vectors(variables, name, prefix, seconds):
-                yield from _placed(label, vector, unit or of_all, prefix, seconds, (start, rate))
+                clock = clocks.get(name) or ((start, rate) if rate else alike.get(len(vector)))
+                own = clock or (start, rate)
+                yield from _placed(label, vector, unit or of_all, prefix, seconds, own)
+
+
+def _own_clocks(variables: Mapping[str, Any], shown: str) -> dict[str, tuple[float, float]]:
+    """Start [s] and rate [Hz] of the variables that state one of their own, as attributes do."""
+    clocks = {}
+    for name, value in variables.items():
+        if not _shape(value):
+            continue
+        own = {
+            key[len(name) + 1 :]: said
+            for key, said in variables.items()
+            if key.startswith(f"{name}_") and key != name
+        }
+        if rate := _rate(own, f"{shown}: {name}: "):
+            clocks[name] = (_start(own), rate)
+    return clocks
 
 
 def _unit_of_all(variables: Mapping[str, Any]) -> str:
@@ -222,7 +266,8 @@ def _vectors(
     full = prefix + name
     array = variables[name].squeeze()
     if array.ndim == 1 and len(array) > 1:
-        return [(full, array, "")]
+        said = [texts(variables.get(f"{name}_{key}")) for key in _UNITS]
+        return [(full, array, next((each[0] for each in said if len(each) == 1), ""))]
     if array.ndim != 2:
         return []
     fits = next((len(t) for t in seconds.values() if len(t) in array.shape), None)

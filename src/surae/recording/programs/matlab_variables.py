@@ -127,8 +127,9 @@ def _group(group: Any, remaining: list[int], depth: int, seen: set[int]) -> dict
             variables[name] = _dataset(item)
             for key in list(item.attrs)[:_MOST_ATTRIBUTES]:
                 if (said := _attribute(item.attrs[key])) is not None:
-                    plain = is_rate(key) or is_start(key)
-                    variables.setdefault(key if plain else f"{name}_{key}", said)
+                    # what a single number says of time, as NWB's start, is of all beside it
+                    of_all = (is_rate(key) or is_start(key)) and item.size == 1
+                    variables.setdefault(key if of_all else f"{name}_{key}", said)
     return variables
 
 
