@@ -80,7 +80,7 @@ def _hysteresis(curve: RelaxedCurve, legs: PossibleLegs, end: float) -> FloatArr
 
 def _above_start(steps: FloatArray) -> FloatArray:
     """What each torque adds to Σ step·(mean of the torques at its ends − the first torque)."""
-    weights = 0.5 * (np.append(steps, 0.0) + np.append(0.0, steps))
+    weights: FloatArray = 0.5 * (np.append(steps, 0.0) + np.append(0.0, steps))
     weights[0] -= steps.sum()
     return weights
 
