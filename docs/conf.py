@@ -8,6 +8,15 @@ from sphinx_gallery.sorting import FileNameSortKey
 
 sys.path.insert(0, str(Path(__file__).parent / "_ext"))
 
+
+class MeasuredFirst(FileNameSortKey):
+    """Measured legs come first in the gallery, then all examples by number."""
+
+    def __call__(self, filename: str) -> str:
+        """What a file is sorted by."""
+        return ("" if "measured" in filename else "z") + str(super().__call__(filename))
+
+
 project = "surae"
 author = "The surae developers"
 copyright = "The surae developers"
@@ -44,12 +53,12 @@ html_theme = "pydata_sphinx_theme"
 html_title = f"surae {release}"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
-html_sidebars = {page: [] for page in ("index", "start", "clinicians", "reproduction", "glossary")}
+html_sidebars = {page: [] for page in ("index", "start", "reproduction", "glossary")}
 html_copy_source = False
 html_show_sourcelink = False
 html_theme_options = {
     "navbar_align": "left",
-    "header_links_before_dropdown": 9,
+    "header_links_before_dropdown": 8,
     "show_toc_level": 2,
     "secondary_sidebar_items": ["page-toc"],
     "footer_start": ["copyright"],
@@ -77,7 +86,7 @@ sphinx_gallery_conf = {
     "gallery_dirs": "gallery",
     "default_thumb_file": str(Path(__file__).parent / "_static" / "thumbnail.svg"),
     "filename_pattern": r"/[0-9]+_",
-    "within_subsection_order": FileNameSortKey,
+    "within_subsection_order": MeasuredFirst,
     "abort_on_example_error": True,
     "download_all_examples": False,
     "show_memory": False,

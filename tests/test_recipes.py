@@ -208,7 +208,7 @@ msgstr "the trial is brief"
 """,
         ),
         (
-            "inference/judging/adequacy.py",
+            "inference/judging/of_fit.py",
             "def _unlike(",
             '''\
 def _brief(result: FitResult) -> Iterator[Reason]:
@@ -221,9 +221,9 @@ def _brief(result: FitResult) -> Iterator[Reason]:
 ''',
         ),
         (
-            "inference/judging/adequacy.py",
-            "        *_unlike(result, odd)",
-            "        *_brief(result),\n",
+            "inference/judging/of_fit.py",
+            "    yield from _unlike(result, odd)",
+            "    yield from _brief(result)\n",
         ),
     ],
     "a verdict": [

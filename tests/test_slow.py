@@ -53,3 +53,10 @@ def test_turns_go_round(chosen) -> None:
     assert chosen(listed, 1) == ["a", "c"]  # d, the next, has no room
     assert chosen(listed, 2) == chosen(listed, 5) == ["a", "d"]  # alone over the budget, yet run
     assert chosen(listed, 3) == chosen(listed, 0)
+
+
+def test_a_turn_is_recorded_in_the_file() -> None:
+    advanced = runpy.run_path(str(ROOT / ".ci" / "slow"))["advanced"]
+    text = "budget = 9\nturn = 1\nalways = []\n"
+    assert advanced(text, 3) == text.replace("turn = 1", "turn = 2")
+    assert advanced(advanced(text, 3), 3) == text.replace("turn = 1", "turn = 0")

@@ -13,7 +13,7 @@ from surae.causal.numbers import angle_gains, check_supported, numbers_of
 from surae.model import ModelOptions, get_model, with_optional
 from surae.model.geometry_table import GeometryTable
 from surae.model.tissue_curve import TissueCurve
-from surae.signals import Effort, Preparation, inputs_as_given, prepare
+from surae.signals import Preparation, SmoothEffort, inputs_as_given, prepare
 
 RATE = 500.0
 REFLEX = {"reflex_tri": 1500.0, "reflex_tib": 700.0, "reflex_delay": 0.047}
@@ -64,8 +64,9 @@ def table() -> GeometryTable:
     angle = np.linspace(-0.6, 0.1, 9)
     tri = (0.048 - 0.0104 * angle, 0.048 * angle - 0.0052 * angle**2)
     tib = (-(0.0393 + 0.0171 * angle), -(0.0393 * angle + 0.00855 * angle**2))
-    rows = [tuple(map(tuple, pair)) for pair in ((tri[1] + 0.3, tib[1] + 0.25), (tri[0], tib[0]))]
-    return GeometryTable("made", tuple(angle), rows[0], rows[1])
+    lengths = (tuple((tri[1] + 0.3).tolist()), tuple((tib[1] + 0.25).tolist()))
+    arms = (tuple(tri[0].tolist()), tuple(tib[0].tolist()))
+    return GeometryTable("made", tuple(angle.tolist()), lengths, arms)
 
 
 CASES = {
@@ -122,7 +123,7 @@ def test_a_step_gives_the_simulators_torque(case) -> None:
         velocity=out[3],
         acceleration=out[4],
         emg=out[6:10].T.copy(),
-        effort=Effort(out[14:18], out[10:14], out[18:22]),
+        effort=SmoothEffort(out[14:18], out[10:14], out[18:22]),
     )
     simulator = spec.simulator(inputs, options, beyond=True)
     torque = simulator.torque(spec.vector(values, options))

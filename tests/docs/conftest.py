@@ -10,6 +10,7 @@ import pytest
 from scipy.io import savemat
 
 import surae
+from made_osim import osim_text
 from perturbed_ankle import Ankle, ramps
 from surae.base.units import FloatArray
 from surae.model import ModelOptions, adapted, get_model
@@ -139,6 +140,7 @@ def prepared(tmp_path_factory) -> Path:
         shutil.copy(folder / "fit.json", folder / f"{name}.json")
     rows = "".join(f"leg{i}.json,S{i},left\n" for i in (1, 2, 3))
     (folder / "legs.csv").write_text(f"fit,subject,side\n{rows}")
+    (folder / "scaled.osim").write_text(osim_text("gait"), encoding="utf-8")
     (folder / "docs").mkdir()
     return folder
 

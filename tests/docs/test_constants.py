@@ -17,7 +17,7 @@ def test_every_number_of_a_room_that_judges_says_what_it_decides() -> None:
 
 def test_a_room_is_one_table_with_values_as_the_program_has_them() -> None:
     table = constants.table("inference")
-    assert "| judging/adequacy | `_NOT_FOLLOWED` | `80.0` | Centred R² [%] below" in table
+    assert "| judging/of_fit | `_NOT_FOLLOWED` | `80.0` | Centred R² [%] below" in table
     assert "Kass and Raftery 1995" in table
     heads = [line for line in constants.tables().splitlines() if line.startswith("## ")]
     assert len(heads) == len(constants.ROOMS)

@@ -54,6 +54,8 @@ LONG = {
     for page in (
         "start",
         "clinicians",
+        "readers/student",
+        "readers/researcher",
         "how-to/run-a-cohort",
         "how-to/sessions",
         "how-to/run-a-study",
@@ -75,6 +77,8 @@ SECONDS = {
         "geometry",
         "how-much-is-nerve",
         "measure-a-leg",
+        "other-programs",
+        "predict-while-measuring",
     )
 }
 SECONDS |= {
@@ -85,6 +89,7 @@ SECONDS |= {
     "export",
     "fit",
     "impedance",
+    "judge",
     "load_session",
     "measures",
     "plan_session",

@@ -4,15 +4,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from models import HEADS, osim_text
 
 import surae
+from made_osim import HEADS, osim_text
 from surae.base.errors import InputError
 from surae.exchange.edited import edited
 from surae.exchange.into import leg_for_model
 from surae.exchange.leg_in_model import leg_in_model
 from surae.exchange.xml_tree import LARGEST, parse_xml
-from surae.measures.leg import Leg
+from surae.measures.leg import Leg, measured_range
 from surae.model import ModelOptions, get_model
 from surae.studies import virtual_subject
 
@@ -242,7 +242,8 @@ def test_opensim_moves_it_with_this_torque(fit, model, tmp_path, family, side) -
     leg = Leg(result.problem.spec, result.problem.options, result.values, result.problem.inputs)
     knee = {f"knee_angle_{side[0]}": np.radians(-40.0)}
     into = leg_in_model(model(family), side=side, pose=knee)
-    made = leg_for_model(leg, MOVED, into)
+    moved = measured_range(result)
+    made = leg_for_model(leg, moved, into)
     path = tmp_path / "leg.osim"
     path.write_bytes(edited(made, []).after)
     simulated = opensim.Model(str(path))
@@ -251,7 +252,8 @@ def test_opensim_moves_it_with_this_torque(fit, model, tmp_path, family, side) -
     ankle = coordinates.get(into.coordinate)
     coordinates.get(f"knee_angle_{side[0]}").setValue(state, np.radians(-40.0), False)
     inputs = leg.inputs[0]
-    some = slice(0, inputs.n, 25)
+    within = (inputs.angle > made.moved[0]) & (inputs.angle < made.moved[1])
+    some = np.flatnonzero(within)[::25]
     angle, speed = inputs.angle[some], inputs.velocity[some]
     alpha = leg.active_states[0][:, some]
     ours = made.tissue.along(angle, speed)

@@ -7,8 +7,10 @@ import pytest
 
 from surae.base.frozen import read_only
 from surae.inference import Grade, Verdict, assess, fit_problem, make_problem
-from surae.inference.judging.adequacy import _is_odd, doubted, judge_adequacy, structure
+from surae.inference.judging.adequacy import doubted, judge_adequacy
+from surae.inference.judging.of_fit import _is_odd
 from surae.inference.judging.reasons import OF_OTHER_TRIALS, against
+from surae.inference.judging.structure import structure
 from surae.model.source import Gaussian
 from surae.quality.finding import Finding, Quality
 

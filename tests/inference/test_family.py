@@ -14,8 +14,10 @@ from surae.base.errors import InputError
 from surae.base.frozen import read_only
 from surae.inference import AssessedFit, LeastSquares, Verdict, assess, make_problem, solve
 from surae.inference.coordinates import is_straight
-from surae.inference.judging.adequacy import Grade, _laboratory, judge_adequacy
+from surae.inference.judging.adequacy import judge_adequacy
+from surae.inference.judging.grade import Grade
 from surae.inference.judging.marginal import _by_path, marginal
+from surae.inference.judging.of_fit import _laboratory
 from surae.inference.judging.random_effects import trial_spread
 from surae.inference.judging.reasons import against
 from surae.inference.posterior.empirical_bayes import learnt_noise

@@ -9,7 +9,7 @@ import surae
 from surae import api
 from surae.base.frozen import read_only
 from surae.inference import Interval, assess, fit_problem, fit_robust, make_problem
-from surae.inference.judging.assessment import variance_inflation
+from surae.inference.judging.assessed import variance_inflation
 
 
 @pytest.fixture(scope="module")

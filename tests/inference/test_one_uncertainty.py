@@ -93,7 +93,7 @@ def test_a_measure_is_as_unsure_as_the_parameters_it_is_made_of(fit) -> None:
 
 
 def legs_of(fit):
-    from surae.measures.leg import leg_of
+    from surae.measures.fitted_leg import leg_of
 
     known = fit.assessment.uncertainty
     for drawn in known.draw(600, seed=3):

@@ -15,12 +15,13 @@ RATE = 250.0
 ROLES = ("angle", "torque", "emg_ta", "emg_gl", "emg_sol", "emg_gm")
 
 
-def send(name: str, rows: np.ndarray, go) -> None:
+def send(name: str, rows: np.ndarray, there, go) -> None:
     """Send a trial in real time once somebody listens."""
     from surae_workbench.live.lsl import outlet
 
     units = ["rad", "Nm", "V", "V", "V", "V"]
     sender = outlet(name, "leg", list(ROLES), units, RATE, name)
+    there.set()
     go.wait(60.0)
     begun = time.perf_counter()
     for i, row in enumerate(rows):
@@ -42,9 +43,10 @@ def test_torques_come_in_time_and_are_those_of_the_file(lsl, trial) -> None:
     p = fit(trial, "muscle", starts=1).predictor(RATE)
     rows = np.column_stack([trial.angle, trial.torque, trial.emg])[: int(4 * RATE)]
     spawn = multiprocessing.get_context("spawn")
-    go = spawn.Event()
-    sender = spawn.Process(target=send, args=("a leg", rows, go), daemon=True)
+    there, go = spawn.Event(), spawn.Event()
+    sender = spawn.Process(target=send, args=("a leg", rows, there, go), daemon=True)
     sender.start()
+    assert there.wait(120.0)
     seen = predict_stream(p, "a leg", 7.0, ready=go.set)
     sender.join(30.0)
     first = int(np.argmin(np.abs(rows[:, 1] - seen.measured[0])))

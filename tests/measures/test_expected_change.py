@@ -1,5 +1,6 @@
 """What a protocol will tell of a measure, and of a change in it."""
 
+import numpy as np
 import pytest
 
 import surae
@@ -51,3 +52,10 @@ def test_slopes_of_a_rise_are_those_of_the_torques_it_is_made_of() -> None:
     )
     top, bottom = told["passive_torque@20deg"], told["passive_torque@-30deg"]
     assert rise == pytest.approx((top * high - bottom * low) / (top - bottom), rel=1e-4, abs=1e-6)
+
+
+def test_a_foot_that_is_held_still_has_no_range_and_is_no_error() -> None:
+    legs = population_legs("muscle", "healthy", 1)
+    names = ("end_torque", "torque_rise", "end_stiffness")
+    told = {name: np.isfinite(make_aim(name, legs, (5.0, 5.0)).slopes).all() for name in names}
+    assert told == {"end_torque": True, "torque_rise": False, "end_stiffness": False}

@@ -15,7 +15,7 @@ from surae.inference.uncertainty.combined import ZERO
 from surae.measures import DEFINITIONS, measures, measures_of_values
 from surae.measures.by_model import measures_by_model
 from surae.measures.compute import judged_measures
-from surae.measures.leg import leg_of
+from surae.measures.fitted_leg import leg_of
 from surae.measures.points import points
 from surae.model import ModelOptions, get_model, with_optional
 from surae.protocol import Protocol, generate

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import surae
-from surae.measures.leg import leg_of, thinned_leg
+from surae.measures.fitted_leg import leg_of, thinned_leg
 from surae.measures.points import evaluate, points
 from surae.protocol import Protocol, generate
 from surae.studies import virtual_subject, virtual_trial

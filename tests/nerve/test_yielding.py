@@ -11,6 +11,8 @@ from ankle_legs import perturbed
 from ankle_legs.joint import FINE, Servo
 from ankle_legs.leg import generator
 from surae.nerve.impedance import samples_of
+from surae.nerve.judged import Number
+from surae.nerve.measures import number_of
 from surae.nerve.turned import turned
 from surae.nerve.yielding import (
     COMMAND,
@@ -95,3 +97,10 @@ def test_a_movement_that_comes_again_is_a_commanded_one() -> None:
     apart = lfilter([0.1], [1.0, -0.9], draw.standard_normal(20000))
     assert comes_again(apart, rate) < 0.4
     assert 0.6 < comes_again(whole + 0.3 * apart, rate) < 0.99
+
+
+def test_no_interval_reaches_below_what_a_leg_can_have() -> None:
+    wide = number_of("reflex_gain", Number(2.0, -6.0, 14.0))
+    assert wide.ci95 == (0.0, 14.0)
+    assert wide.verdict == number_of("reflex_gain", Number(2.0, -8.0, 12.0)).verdict
+    assert number_of("intrinsic_viscosity", Number(-0.1, -0.3, 0.2)).ci95 == (-0.1, 0.2)

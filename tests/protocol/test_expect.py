@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import surae
-from surae.api.designing import ready_trajectory
+from surae.api.requested import ready_trajectory
 from surae.base.errors import InputError
 from surae.planning.legs import population_legs
 from surae.protocol import Protocol, generate, named_device, read_protocol, write_protocol_csv

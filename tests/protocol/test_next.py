@@ -8,7 +8,7 @@ import pytest
 import surae
 from surae.api import fit_inputs
 from surae.base.errors import InputError
-from surae.inference.judging.adequacy import Grade
+from surae.inference.judging.grade import Grade
 from surae.inference.judging.reasons import against
 from surae.planning.aimed import _along
 from surae.planning.information import information, prior_precision, shared
@@ -160,7 +160,7 @@ def test_who_cannot_be_measured_so_long_is_told(weak) -> None:
 
 @pytest.mark.slow
 def test_ready_protocols_keep_the_limits_of_other_devices() -> None:
-    from surae.api.designing import ready_trajectory
+    from surae.api.requested import ready_trajectory
     from surae.protocol import Device
 
     robot = Device("robot", max_velocity=1.2, max_acceleration=40.0, max_torque=60.0)

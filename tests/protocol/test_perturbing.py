@@ -7,7 +7,7 @@ import pytest
 
 import surae
 from perturbed_ankle import Ankle
-from surae.api.designing import as_trajectory
+from surae.api.requested import as_trajectory
 from surae.base.errors import InputError
 from surae.base.names import TELLING
 from surae.nerve.expected import _of_perturbation, series

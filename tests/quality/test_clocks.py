@@ -73,6 +73,35 @@ def test_a_measured_trial_on_one_clock_has_no_drift(shared):
     assert clock_drift(*looked_at(recording)) is None
 
 
+@pytest.mark.parametrize(("ppm", "begins"), [(2000, 0.7), (-1500, -12.0)])
+def test_a_measured_trial_of_two_clocks_is_put_right_by_its_mapping(shared, tmp_path, ppm, begins):
+    """Two lines of the mapping, and the EMG lies where it lay when one clock stamped all."""
+    measured = surae.read(shared / "dynamometer" / "PL_50_01.toml")
+    emg = measured["emg_ta"]
+    since = emg.time - emg.time[0]
+    for name, columns in {
+        "robot": {"time_s": measured["angle"].time}
+        | {r: measured[r].values for r in ("angle", "torque")},
+        "emg": {"time_s": begins + since * (1.0 + 1e-6 * ppm), "TA": emg.values},
+    }.items():
+        head = ",".join(columns)
+        rows = np.column_stack(list(columns.values()))
+        np.savetxt(tmp_path / f"{name}.csv", rows, "%.17g", ",", header=head, comments="")
+    mapping = tmp_path / "map.toml"
+    mapping.write_text(
+        "fixed = { g2 = 0.0, g3 = 0.0, g4 = 0.0 }\n"
+        '[channels.angle]\nfile = "robot.csv"\ncolumn = "angle"\nunit = "rad"\n'
+        '[channels.torque]\nfile = "robot.csv"\ncolumn = "torque"\nunit = "Nm"\n'
+        '[channels.emg_ta]\nfile = "emg.csv"\ncolumn = "TA"\nunit = "V"\n'
+        f"start_s = {float(emg.time[0])!r}\nclock_ppm = {ppm}\n"
+    )
+    right = surae.read(mapping)
+    np.testing.assert_allclose(right["emg_ta"].time, emg.time, atol=1e-6)
+    np.testing.assert_array_equal(right["emg_ta"].values, emg.values)
+    codes = [sorted(f.code for f in surae.check(each).findings) for each in (measured, right)]
+    assert set(codes[1]) == set(codes[0]) | {"as-read"}
+
+
 def test_signals_are_moved_by_a_lag_that_grows(leg):
     signals = signals_of(leg)
     there = moved(signals, 0.1, 1e-2)

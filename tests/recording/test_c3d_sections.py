@@ -1,6 +1,7 @@
 """C3D files whose parameters lie or are written as few programs do it, and ezc3d reads them."""
 
 import struct
+import time
 
 import numpy as np
 import pytest
@@ -89,3 +90,19 @@ def test_parameters_behind_the_samples_that_are_cut_are_refused_or_say_so(tmp_pa
     except InputError:
         return
     assert all("cut short" in table.remarks[name] for name in table.names)
+
+
+#: What an idle machine takes at most to refuse a file [s].
+SECONDS = 5.0
+
+
+def test_parameters_without_an_end_are_refused_within_seconds(tmp_path):
+    """Dimensions of units that no file holds: ezc3d works on them without an end."""
+    before = b"UNITS\r\x00\xff\x02\x03"
+    assert before in _PLAIN
+    path = tmp_path / "x.c3d"
+    path.write_bytes(_PLAIN.replace(before, b"UNITS\r\x00\xff\x7f\x03", 1))
+    began = time.monotonic()
+    with pytest.raises(InputError, match="damaged, or too large"):
+        open_table(open_source(path))
+    assert time.monotonic() - began < 4 * SECONDS  # other work may have the processor

@@ -113,6 +113,43 @@ def test_percent_is_refused_by_its_name_where_no_sign_says_it_and_behind_a_count
             inspect(file(content))
 
 
+@pytest.mark.parametrize(
+    "name", ["Elapsed Time [hh:mm:ss]", "Time (mm:ss.fff)", "Uhrzeit (hh:mm:ss)"]
+)
+def test_how_a_clock_is_written_is_no_unit(file, name):
+    stamps = [f"{'00:' * ('hh' in name)}00:{at:09.6f}" for at in TIME]
+    rows = [
+        ",".join([at, *(f"{x:.6g}" for x in row)]) for at, row in zip(stamps, DATA, strict=True)
+    ]
+    path = file("\n".join([",".join([name, *THEIRS]), *rows]) + "\n")
+    assert inspect(path).roles["angle"].rate_hz == pytest.approx(RATE, rel=1e-3)
+
+
+@pytest.mark.parametrize("above", ["[channels]\nn = 6\n\n[data]\n", "[Header]\nfs = 500\n[Data]\n"])
+def test_sections_of_an_ini_file_are_no_mapping(file, above):
+    found = inspect(file(above + timed()))
+    assert {"angle", "torque", "emg_ta"} <= found.roles.keys()
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("Fotledsvinkel (grader)", "Vridmoment (Nm)", "TA (mV)", "GL (mV)", "SOL (mV)", "GM (mV)"),
+        (
+            *("Ángulo de tobillo (grados)", "Momento (N·m)", "Tibial anterior (mV)"),
+            *("Gemelo externo (mV)", "Sóleo (mV)", "Gemelo interno (mV)"),
+        ),
+    ],
+)
+def test_channels_of_more_languages_are_found(file, names):
+    path = file(timed(names=names))
+    found = inspect(path)
+    assert list(found.roles) == ["angle", "torque", *(f"emg_{m.lower()}" for m in MUSCLES)]
+    assert np.ptp(mapped(path)["angle"].values) == pytest.approx(
+        np.radians(np.ptp(ANGLE)), rel=1e-3
+    )
+
+
 # Starts of streams.
 
 

@@ -17,7 +17,13 @@ def test_every_kind_of_signal_has_its_panel():
     recording = surae.example()
     panels = recording.plot()
     assert [p.get_ylabel() for p in panels] == ["angle [°]", "torque [Nm]", "emg [mV]"]
-    assert len(panels[2].lines) == 4
+    named = [tick.get_text() for tick in panels[2].get_yticklabels()]
+    assert named == ["emg ta", "emg gl", "emg sol", "emg gm"]  # one below the other, on one scale
+    stacked = [line.get_ydata() for line in panels[2].lines[:4]]
+    for role, zero, line in zip(named, panels[2].get_yticks(), stacked, strict=True):
+        own = 1e3 * recording.channels[role.replace(" ", "_")].values
+        assert line - zero == pytest.approx(own)
+    assert next(text.get_text() for text in panels[2].texts).endswith(" mV")
     channel = recording.channels["angle"]
     drawn = panels[0].lines[0].get_ydata()
     assert drawn == pytest.approx(channel.values * 57.29577951308232)

@@ -5,7 +5,7 @@ import pytest
 
 from surae.base.formatting import estimate, percentage, significant, standard_error
 from surae.inference import AssessedFit
-from surae.inference.judging.adequacy import Adequacy, Grade
+from surae.inference.judging.grade import Adequacy, Grade
 from surae.inference.judging.reasons import against
 from surae.report import block
 from surae.report.fit import fit_report

@@ -24,10 +24,9 @@ def test_traces_are_those_of_the_fit(plain, traces):
 def test_four_panels_with_units_on_one_time_axis(traces):
     *strips, angle, torque, parts = torque_figure(traces).axes
     labels = [axes.get_ylabel() for axes in strips]
-    assert labels == ["", "EMG [µV]", "", ""]
+    assert labels == ["", "EMG [mV]", "", ""]
     assert [t.get_text() for axes in strips for t in axes.texts] == ["TA", "GL", "SOL", "GM"]
-    assert angle.get_ylabel() == "Angle [rad]"
-    assert [axis.get_ylabel() for axis in angle.child_axes] == ["Angle [°]"]
+    assert angle.get_ylabel() == "Angle [°]"
     assert torque.get_ylabel() == parts.get_ylabel() == "Torque [Nm]"
     assert parts.get_xlabel() == "Time [s]"
     assert _legend(torque) == ["measured", "modelled"]
@@ -47,10 +46,10 @@ def test_lines_differ_without_colour(traces):
 def test_emg_that_was_not_recorded_takes_no_panel(traces):
     figure = torque_figure(replace(traces, missing_emg=("sol",), emg_unit="1"))
     assert [t.get_text() for axes in figure.axes for t in axes.texts] == ["TA", "GL", "GM"]
-    assert "EMG [-]" in [axes.get_ylabel() for axes in figure.axes]
+    assert "EMG" in [axes.get_ylabel() for axes in figure.axes]
     without = torque_figure(replace(traces, missing_emg=("ta", "gl", "sol", "gm")))
     assert [axes.get_ylabel() for axes in without.axes] == [
-        "Angle [rad]",
+        "Angle [°]",
         "Torque [Nm]",
         "Torque [Nm]",
     ]
@@ -72,11 +71,11 @@ def test_labels_of_a_column_are_in_line_and_clear_of_the_numbers(traces, dpi):
     assert 0 < top < min(text.get_window_extent().y0 for text in below.get_ticklabels())
 
 
-@pytest.mark.parametrize(("factor", "unit"), [(1.0, "µV"), (30.0, "mV"), (3000.0, "V")])
-def test_emg_is_in_a_unit_of_its_size(traces, factor, unit):
+@pytest.mark.parametrize("factor", [1.0, 30.0, 3000.0])
+def test_emg_is_in_one_unit_whatever_its_size(traces, factor):
     one = replace(traces, emg=traces.emg * factor, missing_emg=("ta", "gl", "sol"))
     figure = torque_figure(one)
-    assert f"EMG [{unit}]" in [axes.get_ylabel() for axes in figure.axes]
+    assert "EMG [mV]" in [axes.get_ylabel() for axes in figure.axes]
 
 
 def test_movement_that_repeats_itself_is_shown_over_the_cycle_too(traces):

@@ -15,7 +15,7 @@ from surae.inference import (
     make_problem,
     solve,
 )
-from surae.inference.judging.adequacy import Adequacy, Grade
+from surae.inference.judging.grade import Adequacy, Grade
 from surae.inference.judging.reasons import against
 from surae.inference.result import OfRecording
 from surae.inference.uncertainty.combined import Uncertainty

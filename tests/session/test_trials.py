@@ -207,3 +207,28 @@ def test_two_files_of_one_name_are_two_trials(leg, tmp_path):
     for name in ("a.csv", "a.txt", "b.csv"):
         shutil.copy(leg / "walk 1.csv", tmp_path / name)
     assert [trial.name for trial in surae.session(tmp_path).trials] == ["a.csv", "a.txt", "b"]
+
+
+def bids(folder, leg, *parts):
+    """A data set of BIDS: a table of persons, and a recording in each of these subfolders."""
+    for k, part in enumerate(parts):
+        place = folder / part / "emg"
+        place.mkdir(parents=True)
+        entities = part.replace("/", "_")
+        shutil.copy(leg / "walk 1.csv", place / f"{entities}_task-ankle_run-{k + 1}_emg.csv")
+    (folder / "participants.tsv").write_text("participant_id\tsex\nsub-01\tF\n")
+    return folder
+
+
+def test_a_data_set_in_subfolders_is_read_where_it_is_of_one_leg(leg, tmp_path):
+    one = bids(tmp_path / "sub-lab", leg, "sub-01/ses-1")
+    assert [t.name for t in surae.session(one).trials] == ["sub-01_ses-1_task-ankle_run-1_emg"]
+
+
+@pytest.mark.parametrize(
+    ("second", "what"), [("sub-02/ses-1", "2 persons"), ("sub-01/ses-2", "2 visits")]
+)
+def test_persons_and_visits_of_a_data_set_are_not_one_leg(leg, tmp_path, second, what):
+    both = bids(tmp_path / "bids", leg, "sub-01/ses-1", second)
+    with pytest.raises(InputError, match=f"recordings of {what}.*one leg in one visit"):
+        surae.session(both)

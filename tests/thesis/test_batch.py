@@ -168,5 +168,11 @@ def test_a_batch_goes_on_where_it_was(tmp_path, monkeypatch):
     rows = list(csv.DictReader((tmp_path / "out" / "table.csv").read_text().splitlines()))
     assert [row["repetition"] for row in rows] == ["1", "2"]
     assert min(float(row["validation_vaf"]) for row in rows) > 99.0
+    for only, computed in (("spectra", 2), ("snsem", 3)):
+        words = [*asked, "--only", only, "--store", f"{only}.db", "--output", only]
+        said = CliRunner().invoke(group, words, catch_exceptions=False)
+        assert f"{computed} computed now" in said.output
+        drawn = {path.name for path in (tmp_path / only / "figures").glob("*.png")}
+        assert {name.split("-")[1].removesuffix(".png") for name in drawn} >= {only}
     kept = json.loads((tmp_path / "out" / "sections" / "batch.json").read_text())
     assert kept["tables"][0]["name"] == "batch-summary"

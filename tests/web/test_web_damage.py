@@ -544,3 +544,42 @@ def test_a_session_with_no_grade_where_one_should_be_is_damaged(serve) -> None:
     assert [entry["id"] for entry in listed.json()["sessions"]] == ["0" * 16]
     names = [name["id"] for name in browser.get("/api/damaged").json()["damaged"]]
     assert sorted(names) == damaged
+
+
+def test_a_row_says_what_was_kept_or_is_damaged(tmp_path) -> None:
+    """Edited words and numbers, exchanged rows and those of another project are shown as such."""
+    other = Project(tmp_path / "other")
+    foreign = other.database.add("subject", SUBJECT | {"code": "elsewhere"})
+    row = other.database.row("SELECT * FROM thing WHERE id = ?", foreign)
+    other.close()
+    project = Project(tmp_path / "p")
+    ids = [project.database.add("subject", SUBJECT | {"code": f"S{k}"}) for k in range(4)]
+    project.change("subject", ids[3], notes="changed, by us")
+    project.close()
+    with contextlib.closing(sqlite3.connect(tmp_path / "p" / "project.db")) as file, file:
+        of = dict(file.execute("SELECT id, data FROM thing WHERE kind = 'subject'"))
+        file.execute("UPDATE thing SET data = replace(data, 'S0', 'S9') WHERE id = ?", (ids[0],))
+        for here, there in ((1, 2), (2, 1)):
+            file.execute("UPDATE thing SET data = ? WHERE id = ?", (of[ids[there]], ids[here]))
+        file.execute("INSERT INTO thing VALUES (?, ?, ?, ?, ?)", row)
+    again = Project(tmp_path / "p")
+    assert [each["code"] for each in again.database.all("subject")] == ["S3"]
+    damaged = again.database.damaged()
+    assert {each["id"] for each in damaged} == {*ids[:3], foreign}
+    assert all("is not what was kept here" in each["problem"] for each in damaged)
+    with pytest.raises(RefusedError, match="not what was kept here"):
+        again.need("subject", ids[0])
+    again.close()
+    assert len(upkeep.check(tmp_path / "p").problems) == 4
+
+
+def test_a_row_of_an_older_version_has_no_checksum_and_a_check_says_so(tmp_path) -> None:
+    project = Project(tmp_path / "p")
+    id_ = project.database.add("subject", SUBJECT)
+    project.close()
+    with contextlib.closing(sqlite3.connect(tmp_path / "p" / "project.db")) as file, file:
+        file.execute("UPDATE thing SET data = ? WHERE id = ?", (json.dumps(SUBJECT), id_))
+    again = Project(tmp_path / "p")
+    assert again.need("subject", id_)["code"] == "S01"
+    again.close()
+    assert upkeep.check(tmp_path / "p").unsealed == (f"what subject {id_} says",)

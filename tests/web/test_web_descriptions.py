@@ -4,6 +4,7 @@ import numpy as np
 import pandas
 import pytest
 
+from surae_workbench.web.remap import proposals
 from surae_workbench.web.routes import descriptions
 from surae_workbench.web.upkeep import check
 
@@ -178,6 +179,23 @@ UNITS = {
     "one EMG in µV": (("emg_sol_V",), 1e6, "It is µV"),
     "all EMG in µV": (("emg_ta_V", "emg_gl_V", "emg_sol_V", "emg_gm_V"), 1e6, "It is µV"),
 }
+
+
+def test_a_scale_that_is_certain_and_no_unit_is_offered_as_a_scale() -> None:
+    finding = {
+        "code": "torque-unit",
+        "channel": "torque",
+        "value": 0.0,
+        "advice": "",
+        "advised": {"message": "advice/write", "given": {"lines": "scale = 72 for the torque"}},
+    }
+    channels = {"torque": {"unit": "Nm", "sign": 1, "scale": 2.0, "offset": 0.0}}
+    (offered,) = proposals([finding], channels)
+    assert offered["mend"]["label"] == "Scale by {factor}"
+    assert offered["mend"]["given"] == {"factor": "72"}
+    assert offered["mend"]["channels"] == {"torque": {"scale": 144.0}}
+    (none,) = proposals([finding | {"advised": {"message": "advice/torque-unit"}}], channels)
+    assert none["mend"] is None
 
 
 @pytest.mark.parametrize("how", UNITS)

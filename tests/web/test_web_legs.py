@@ -95,11 +95,20 @@ def compared_with_another_visit(browser, imported, id_):
     patched = browser.patch(place, json=told).json()
     assert {key: patched[key] for key in told} == told
     assert browser.get(f"/api/recordings/{imported['hold']}").json()["visit"] == "2026-03-02"
-    asked = {"recordings": [imported["walk one"]], "name": "later"}
+    asked = {"recordings": [imported["walk one"]], "name": "later", "question": "end_stiffness"}
+    assert browser.post("/api/sessions", json=asked | {"question": "luck"}).status_code == 422
     other = browser.job(browser.post("/api/sessions", json=asked))["result"]
     assert browser.get(f"{place}/change").json() == {"html": ""}
     assert browser.patch(place, json={"before": other}).json()["before"] == other
     assert "Measures fixed beforehand" in browser.get(f"{place}/change").json()["html"]
+    later = browser.patch(f"/api/sessions/{other}", json={"before": id_}).json()
+    assert later["question"] == "end_stiffness"  # it was asked before anybody saw this visit
+    assert browser.get(f"/api/sessions/{other}/change").json()["html"]
+    browser.patch(place, json={"visit": None})
+    refused = browser.get(f"{place}/change")
+    assert (refused.status_code, "on which day" in refused.json()["error"]) == (400, True)
+    assert browser.get(f"/api/sessions/{id_}").json()["summary"]["visit"] == ""
+    browser.patch(place, json={"visit": "2026-03-02"})
     page = browser.get(f"{place}/report.html?language=de")
     assert "later → ankle" in page.text
     assert 'filename="ankle-2026-03-02-de.html"' in page.headers["content-disposition"]

@@ -10,6 +10,7 @@ import surae
 from perturbed_ankle import ramps
 from surae.recording import MUSCLES, write_csv
 from surae_workbench.web.curves import window
+from surae_workbench.web.routes.recordings import in_order
 
 from .conftest import PATIENCE, LentChild
 
@@ -258,3 +259,35 @@ def test_a_recordings_page_tells_how_much_is_nerve(browser, tmp_path) -> None:
     refused = browser.get("/api/nerve", params={**asked, "by": "perturbations"})
     assert refused.status_code == 400
     assert "surae stretches" in refused.json()["error"]
+
+
+def test_trials_stand_as_they_are_counted_the_newest_visit_first() -> None:
+    def row(name: str, visit: str | None = "2026-03-04", subject: str = "a") -> dict:
+        return {"name": name, "visit": visit, "side": "left", "subject": subject}
+
+    came = [
+        row("trial 10"),
+        row("Trial 2"),
+        row("x", None),
+        row("trial 1"),
+        row("old", "2025-01-01"),
+    ]
+    names = [one["name"] for one in in_order(came)]
+    assert names == ["old", "trial 1", "Trial 2", "trial 10", "x"]
+
+
+def test_a_preview_has_its_pictures_and_an_import_keeps_none(browser, trial) -> None:
+    told = browser.get(f"/api/uploads/{browser.upload(trial)}/inspect").json()
+    seen = browser.post("/api/imports/preview", json={"mapping": told["mapping"]}).json()
+    over = seen["pictures"]["over"]
+    assert len(over["angle"]) == len(over["torque"]) == 400
+    angle = next(c for c in seen["channels"] if c["role"] == "angle")
+    assert min(over["angle"]) == pytest.approx(np.degrees(angle["low"]), abs=1.0)
+    turned = {**told["mapping"]["channels"]["torque"], "sign": -1}
+    channels = {**told["mapping"]["channels"], "torque": turned}
+    after = browser.post(
+        "/api/imports/preview", json={"mapping": {**told["mapping"], "channels": channels}}
+    ).json()
+    np.testing.assert_allclose(after["pictures"]["over"]["torque"], np.negative(over["torque"]))
+    made = browser.post("/api/imports", json={"mapping": told["mapping"]}).json()
+    assert "pictures" not in made

@@ -15,6 +15,7 @@ from surae.base.errors import InputError
 from surae.base.files import PathLike
 from surae.base.requests import ChangeSettings
 from surae.base.setting import renamed, takes
+from surae.inference import Grade
 from surae.inference.judging.validation import Prediction, predict_others
 from surae.inference.relaxed.curve import RelaxedCurve
 from surae.measures.change.compare import compare_sessions
@@ -265,4 +266,5 @@ def validate(
     known = fit_of(fit)
     inputs = as_in_fit(known.result.problem, several(recordings), prepared)
     counted = inputs if weights is None else weighted(inputs, weights)
-    return predict_others(known.result, counted, known.assessment.uncertainty)
+    adequate = known.adequacy.grade == Grade.ADEQUATE
+    return predict_others(known.result, counted, known.assessment.uncertainty, adequate=adequate)

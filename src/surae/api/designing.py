@@ -1,49 +1,28 @@
-"""Protocols: what one will tell, designed for a device, and what to measure after a fit."""
+"""Protocols designed for a device, sessions planned, and what to measure after a fit."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from typing import Any, TypeVar
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from surae.api.fitted import Fit
-from surae.api.fitting import load
+from surae.api.requested import as_device, muscles_of, parted, range_of, requested_legs
 from surae.base.errors import InputError
 from surae.base.files import PathLike
 from surae.base.formatting import check_known
-from surae.base.frozen import FrozenDict
-from surae.base.names import EFFORTS, TELLING
-from surae.base.progress import Progress, SearchProgress
-from surae.base.requests import DesignSettings, ExpectSettings, LegSettings
-from surae.base.setting import Setting, checked, renamed, settings_of, takes
+from surae.base.names import EFFORTS
+from surae.base.progress import SearchProgress
+from surae.base.requests import DesignSettings, LegSettings
+from surae.base.setting import Setting, checked, renamed, takes
 from surae.model import ModelOptions
-from surae.model.joint import ANKLE
 from surae.model.laboratory import AUTO
-from surae.nerve.expected import expects, series
-from surae.nerve.movements import telling
-from surae.planning.aimed import detectable
-from surae.planning.at_rest import expected_at_rest
 from surae.planning.design import Asked, Design, Judges, make_design
-from surae.planning.expectation import NOISE, ExpectedMeasure, expected
 from surae.planning.information import filmed
-from surae.planning.legs import Legs, fit_legs, noise_of, population_legs
 from surae.planning.next import NextTrial, fit_precision, measure_next_of
 from surae.planning.ready import ready_protocols, start_for
 from surae.planning.search import SearchBudget, make_aim
 from surae.planning.session import SessionPlan, best_session
-from surae.protocol import (
-    DEVICES,
-    PROFILES,
-    Device,
-    Protocol,
-    Trajectory,
-    allowed_range,
-    generate,
-    named_device,
-    read_device,
-    read_protocol,
-)
-from surae.quality.position import perturbing
+from surae.protocol import Device
 
 #: Legs that a design is searched for, of a rigid and of a compliant model, and those that it is
 #: judged by.
@@ -121,7 +100,7 @@ def design(
         float(duration),
         rate_hz,
         limits,
-        _range_of(limits, settings.angle_range, settings.population, who),
+        range_of(limits, settings.angle_range, settings.population, who),
         effort,
         settings.aim,
     )
@@ -194,7 +173,7 @@ def plan_session(
     asked = LegSettings(population=population, noise=noise)
     legs, level = requested_legs(asked, None, _PLANNED, ModelOptions(), 256.0)
     limits = as_device(device)
-    through = _range_of(limits, angle_range, population, None)
+    through = range_of(limits, angle_range, population, None)
     trials = {
         kind: ready_protocols()[name].trajectory(limits, through, 256.0, legs)
         for kind, name in _TRIALS.items()
@@ -256,186 +235,7 @@ def measure_next(
         legs,
         noise=level,
         device=limits,
-        angle_range=_range_of(limits, angle_range, None, fit),
+        angle_range=range_of(limits, angle_range, None, fit),
         longest=duration,
         wanted=wanted,
     )
-
-
-def _range_of(
-    device: Device | None,
-    wanted: tuple[float, float] | None,
-    population: str | None,
-    fit: Fit | None,
-) -> tuple[float, float]:
-    """Over which angles: the requested ones, or what the fitted leg was seen to reach."""
-    if wanted is not None:
-        return allowed_range(device, (float(wanted[0]), float(wanted[1])))
-    if fit is not None:
-        angles = [i.angle for i in fit.result.problem.inputs]
-        low = min(float(a.min()) for a in angles)
-        high = max(float(a.max()) for a in angles)
-        reach = (low, high) if device is None else device.angle_range or (low, high)
-        return allowed_range(device, (max(low, reach[0]), min(high, reach[1])))
-    if population == "patient":
-        raise InputError(
-            "a patient's range is not that of a healthy leg: measure it, and give it as --range "
-            "LOW:HIGH in rad (angle_range= in Python)"
-        )
-    return allowed_range(device)
-
-
-def as_device(device: str | PathLike | Device | None) -> Device | None:
-    """The device of a name or a TOML file; None is none."""
-    if device is None or isinstance(device, Device):
-        return device
-    if str(device) in DEVICES or not str(device).lower().endswith(".toml"):
-        return named_device(str(device))
-    return read_device(device)
-
-
-#: Legs by which the torque of a ready protocol is held to a device's.
-_CHECKED = 40
-S = TypeVar("S", bound=LegSettings)
-
-
-@takes(ExpectSettings, ModelOptions)
-def expect(
-    protocol: str | PathLike | Trajectory,
-    model: str = AUTO,
-    *,
-    fit: Fit | PathLike | None = None,
-    progress: Progress | None = None,
-    **keywords: Any,
-) -> Any:
-    """Standard errors, intervals and verdicts that a protocol will give, over many legs.
-
-    They come from the information matrix (the bound of Cramér and Rao), by exact sensitivities of
-    the torque at virtual legs; no fit is made. What no model can describe is not in them.
-
-    Of small random perturbations, and of series of stretches where no model is named, it says what
-    `surae.impedance` and `surae.stretches` will find, by estimates from made recordings.
-
-    Parameters
-    ----------
-    protocol : path, name or Trajectory
-        A protocol as CSV, as `surae protocol` writes it; or the name of one: its movement as it is,
-        without the limits of a device (a designed one: on Achilles).
-    model : str
-        Name of a model; ``"auto"``: muscles on compliant tendons with all that the laboratory
-        cannot rule out, under its priors.
-    fit : Fit or path, optional
-        Instead of a population: one leg, as far as this fit knows it, which counts too; model and
-        noise are then the fit's. Of perturbations, what `surae.impedance` saved.
-    progress : callable, optional
-        Of perturbations and stretches: called with (done, total) made recordings.
-    {settings}
-
-    Returns
-    -------
-    Expectation or NerveExpectation
-        By parameter, and in all; or by measure, and which reflexes would be seen.
-
-    Raises
-    ------
-    InputError
-        Something given is unknown, contradictory or unusable.
-
-    Examples
-    --------
-    >>> surae.expect("sine", "muscle", legs=4).parameters["k_tib"].relative_sem
-    """
-    trajectory = as_trajectory(protocol)
-    small = perturbing(trajectory.angle, trajectory.settings.rate_hz)
-    if small or (model == AUTO and series(trajectory)):
-        if given := ["model"] * (model != AUTO) or sorted(keywords.keys() - {"noise"}):
-            what = f"{trajectory.settings.profile}: from perturbations and stretches no model of"
-            raise InputError(f"{what} muscles is expected; leave {given[0]} out")
-        if isinstance(fit, Fit):
-            raise InputError("of perturbations, give the I.json of surae impedance, not a fit")
-        return expects(trajectory, fit, progress=progress, **keywords)
-    fit = fit if fit is None or isinstance(fit, Fit) else load(fit)
-    settings, options = parted(ExpectSettings, {"model": model, **keywords})
-    who, level = requested_legs(settings, fit, settings.legs, options, trajectory.settings.rate_hz)
-    legs = filmed(who, muscles_of(settings.film))
-    precision = {} if fit is None else fit_precision(fit, legs)
-    made = expected(trajectory, legs, level, **precision)
-    return replace(
-        made,
-        at_rest=expected_at_rest(trajectory, legs, level),
-        measures=_measures_expected(trajectory, legs, level, precision),
-    )
-
-
-def _measures_expected(
-    trajectory: Trajectory, legs: Legs, level: float, precision: Mapping[str, Any]
-) -> FrozenDict[str, ExpectedMeasure]:
-    """What is expected of measures; nothing of a model, or another joint, that has none of them."""
-    if legs.options.anatomy != ANKLE:
-        return FrozenDict()
-    try:
-        told = detectable(trajectory, legs, level, precision.get("known"))
-    except InputError:
-        return FrozenDict()
-    return FrozenDict({name: ExpectedMeasure(*each) for name, each in told.items()})
-
-
-def muscles_of(film: str | Sequence[str]) -> tuple[str, ...]:
-    """Names of muscles, one or several, or with commas between."""
-    return tuple(filter(None, film.split(","))) if isinstance(film, str) else tuple(film)
-
-
-def parted(kind: type[S], keywords: Mapping[str, Any]) -> tuple[S, ModelOptions]:
-    """Settings and switches of the model, of keywords for both."""
-    own = {each.name for each, _ in settings_of(kind)}
-    switches = {name: value for name, value in keywords.items() if name not in own}
-    return kind(**{k: v for k, v in keywords.items() if k in own}), ModelOptions.of(**switches)
-
-
-def as_trajectory(protocol: str | PathLike | Trajectory) -> Trajectory:
-    """The trajectory of a file or a name."""
-    if isinstance(protocol, Trajectory):
-        return protocol
-    if isinstance(protocol, str) and (protocol in TELLING or protocol in ready_protocols()):
-        device = named_device("achilles")
-        made = telling if protocol in TELLING else ready_trajectory
-        return made(protocol, device, allowed_range(device), 256.0)
-    if isinstance(protocol, str) and protocol in PROFILES:
-        passive = PROFILES[protocol].duration <= 11.0
-        return generate(Protocol(profile=protocol, task="passive" if passive else "part-passive"))
-    return read_protocol(protocol)
-
-
-def ready_trajectory(
-    name: str, device: Device | None, angle_range: tuple[float, float], rate_hz: float
-) -> Trajectory:
-    """A designed protocol that comes with surae, on a device whose torque no leg exceeds."""
-    ready = ready_protocols()[name]
-    legs = population_legs(ready.model, None, _CHECKED)
-    return ready.trajectory(device, angle_range, rate_hz, legs)
-
-
-def requested_legs(
-    settings: LegSettings,
-    fit: Fit | None,
-    count: int,
-    options: ModelOptions,
-    rate_hz: float,
-    *,
-    first: int = 0,
-) -> tuple[Legs, float]:
-    """Whose legs are meant, so many of them, and the noise of their torque."""
-    if fit is None:
-        who = population_legs(
-            settings.model,
-            settings.population,
-            count,
-            first=first,
-            nuisances=settings.nuisances,
-            options=options,
-        )
-        return who, settings.noise or NOISE
-    if settings.population is not None:
-        raise InputError("give a population or a fit, not both")
-    who = fit_legs(fit, count, seed=first)
-    return who, settings.noise or noise_of(fit.result, rate_hz)

@@ -7,7 +7,7 @@ from typing import Any
 from surae.api import Fit
 from surae.base.progress import Progress
 from surae.base.setting import renamed, takes
-from surae.inference.judging.assessment import variance_inflation
+from surae.inference.judging.assessed import variance_inflation
 from surae.sampling.sample import Posterior, sample
 from surae.sampling.settings import PosteriorSettings
 

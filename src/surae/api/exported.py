@@ -12,7 +12,8 @@ from surae.exchange.joint import GAINS, JointModel, joint_of
 from surae.exchange.mjcf import mjcf
 from surae.exchange.osim import osim
 from surae.inference import Assessment
-from surae.measures.leg import Leg, measured_range
+from surae.measures.fitted_leg import measured_range
+from surae.measures.leg import Leg
 
 #: Format by name: how it is called, how its files end, and whether tissue is springs there.
 FORMATS = {"osim": ("OpenSim", ".osim", False), "mjcf": ("MuJoCo", ".xml", True)}

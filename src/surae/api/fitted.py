@@ -16,9 +16,10 @@ from surae.api.simulation import parts_of, tendon_of
 from surae.base.files import PathLike
 from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
-from surae.inference.judging.adequacy import Adequacy
+from surae.inference import Grade
 from surae.inference.judging.assessment import assess
 from surae.inference.judging.criteria import criteria_of
+from surae.inference.judging.grade import Adequacy
 from surae.inference.judging.parameter import ParameterEstimate
 from surae.inference.judging.validation import Prediction, predict_others
 from surae.inference.saved.fit_json import save_fit
@@ -232,7 +233,9 @@ class Fit(Tabular, FitFrames, FitPages):
         Returns
         -------
         Prediction
-            Predicted torque, VAF, RMS error and bias.
+            Predicted torque, VAF, RMS error and bias; and what is predicted without a model. Where
+            a fit of `auto` to inverse dynamics is not adequate and the movement is another one, its
+            torque is averaged with that of the muscle model without departures.
 
         Raises
         ------
@@ -240,7 +243,9 @@ class Fit(Tabular, FitFrames, FitPages):
             It has no torque, or EMG that the fit's weights do not go with.
         """
         inputs = as_in_fit(self.result.problem, [recording], prepared)
-        return predict_others(self.result, inputs, self.assessment.uncertainty)[0]
+        adequate = self.adequacy.grade == Grade.ADEQUATE
+        known = self.assessment.uncertainty
+        return predict_others(self.result, inputs, known, adequate=adequate)[0]
 
     def predictor(
         self,

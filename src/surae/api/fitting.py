@@ -13,7 +13,8 @@ from surae.base.files import PathLike, shown
 from surae.base.progress import SearchProgress, line_of_progress
 from surae.base.setting import takes
 from surae.inference import make_problem, solve
-from surae.inference.judging.assessment import assess, outdated
+from surae.inference.judging.assessed import outdated
+from surae.inference.judging.assessment import assess
 from surae.inference.least_squares.starts import Follow
 from surae.inference.saved.fit_json import load_saved
 from surae.model.kernel_cache import on_compilation

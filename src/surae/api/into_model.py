@@ -14,7 +14,8 @@ from surae.exchange.bounds import Bound, bounds_of, table_of
 from surae.exchange.edited import EditedModel, changed, edited
 from surae.exchange.into import STRENGTHS, Differences, LegForModel, leg_for_model
 from surae.exchange.leg_in_model import leg_in_model
-from surae.measures.leg import GROUPS, Leg, measured_range
+from surae.measures.fitted_leg import measured_range
+from surae.measures.leg import GROUPS, Leg
 
 #: EMG's weights of each group, and its channels.
 _GAINS = {
@@ -43,6 +44,10 @@ class ExportedIntoModel:
         What is no longer anatomy, or not the fit's.
     bounds : tuple of Bound
         Parameters with their intervals.
+    edited : EditedModel
+        The file as it was and as it is.
+    changes : tuple of tuple
+        Muscle, property, before and after, of every number that changed.
     """
 
     source: str

@@ -1,17 +1,32 @@
 """A second opinion on what other programs have found of a person's muscles."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
 from surae._version import __version__
+from surae.api.given import AnyRecording, read_in
 from surae.base.errors import InputError
 from surae.base.files import PathLike, write_json
 from surae.base.tables import Tabular, TextTable
+from surae.exchange.against_recording import AgainstRecording, against
 from surae.exchange.foreign_result import ForeignResult
-from surae.exchange.opinion import JudgedValue, counted, judged, parts
+from surae.exchange.leg_in_model import leg_in_model
+from surae.exchange.opinion import (
+    JudgedValue,
+    counted,
+    disputed_said,
+    judged,
+    parts,
+    recording_said,
+    with_recording,
+)
 from surae.exchange.results import read_result
+from surae.recording import read
+from surae.settings import FitSettings
+from surae.signals import ModelInputs
 
 if TYPE_CHECKING:
     from surae.report.output import Report
@@ -27,10 +42,13 @@ class JudgedResult:
         What was read.
     values : tuple of JudgedValue
         Every value, with its remarks.
+    recording : AgainstRecording or None
+        What the recording says of the muscles; None where none was given.
     """
 
     result: ForeignResult
     values: tuple[JudgedValue, ...]
+    recording: AgainstRecording | None = None
 
     @property
     def counts(self) -> dict[str, int]:
@@ -74,6 +92,10 @@ class SecondOpinion(Tabular):
                 f"{len(met)} say nothing of the person, or something doubtful: {kinds}"
             )
             lines += [f"  {note}" for note in each.result.notes]
+            if each.recording is not None:
+                lines.append(f"  {recording_said(each.recording)}")
+                if (disputed := disputed_said(each.recording)) is not None:
+                    lines.append(f"  {disputed}")
         return tuple(lines)
 
     def as_table(self) -> TextTable:
@@ -155,6 +177,7 @@ class SecondOpinion(Tabular):
                     "mass_kg": each.result.mass,
                     "notes": list(each.result.notes),
                     "counts": each.counts,
+                    "recording": None if each.recording is None else _told(each.recording),
                     "values": [_plain(value) for value in each.values],
                 }
                 for each in self.results
@@ -192,7 +215,7 @@ class SecondOpinion(Tabular):
         from surae.report.opinion import opinion_report
 
         created = datetime.now().astimezone()
-        given = [(each.result, each.values) for each in self.results]
+        given = [(each.result, each.values, each.recording) for each in self.results]
         return opinion_report(given, created=created, language=language)
 
     def report(self, path: PathLike, *, language: str = "en") -> None:
@@ -213,6 +236,27 @@ class SecondOpinion(Tabular):
         self.page(language).write(path)
 
 
+def _told(of: AgainstRecording) -> dict[str, Any]:
+    verdicts = of.verdicts()
+    return {
+        "path": of.recording,
+        "r2": of.r2,
+        "lag_s": of.lag,
+        "told": [
+            {
+                "muscle": each.muscle,
+                "parameter": each.parameter,
+                "value": each.value,
+                "drop": each.drop,
+                "better": each.better,
+                "gain": each.gain,
+                "verdict": verdicts[each.muscle, each.parameter],
+            }
+            for each in of.told
+        ],
+    }
+
+
 def _plain(value: JudgedValue) -> dict[str, Any]:
     of = value.of
     return {
@@ -227,11 +271,24 @@ def _plain(value: JudgedValue) -> dict[str, Any]:
     }
 
 
+def _inputs(recording: AnyRecording, corrections: Mapping[str, Any]) -> ModelInputs:
+    """A recording as fits take it."""
+    given = recording
+    if isinstance(given, str) or hasattr(given, "__fspath__"):
+        given = read(given, **corrections)  # type: ignore[arg-type]
+    return FitSettings.of().inputs([read_in(given)])[0]
+
+
 def judge(
     results: PathLike | Sequence[PathLike],
     *,
     generic: PathLike | None = None,
     calibration: PathLike | None = None,
+    recording: AnyRecording | None = None,
+    model: PathLike | None = None,
+    side: str = "right",
+    pose: Mapping[str, float] | None = None,
+    **corrections: Any,
 ) -> SecondOpinion:
     """A second opinion on muscle parameters that other programs have found.
 
@@ -245,6 +302,17 @@ def judge(
         muscles.
     calibration : path, optional
         CEINMS' set-up of its calibration, with the limits of its search.
+    recording : Recording, DataFrame or path, optional
+        Of that person's leg: how much of its torque such muscles can follow, and which of their
+        lengths it tells.
+    model : path, optional
+        The OpenSim model on whose paths the muscles lie, where a result names none.
+    side : {"right", "left"}
+        Which leg was recorded.
+    pose : mapping of str to float, optional
+        Coordinates of the model at which it was recorded [deg], such as the knee's.
+    **corrections
+        What to put right in the recording, as of `surae.read`.
 
     Returns
     -------
@@ -258,12 +326,14 @@ def judge(
 
     Examples
     --------
-    >>> surae.judge("subjectCalibrated.xml").to_dataframe()
+    >>> surae.judge("scaled.osim").to_dataframe()
     """
     given = [results] if isinstance(results, str) or hasattr(results, "__fspath__") else results
     if not len(given):
         raise InputError("no result is given; name one at least")
     began = None if generic is None else read_result(generic)
+    inputs = None if recording is None else _inputs(recording, corrections)
+    turned = {name: math.radians(value) for name, value in (pose or {}).items()}
     made = []
     for path in given:
         result = read_result(path, calibration=calibration)
@@ -274,5 +344,16 @@ def judge(
                     "that this began from"
                 )
             result = result.with_generic(began)
-        made.append(JudgedResult(result, judged(result)))
+        values = judged(result)
+        told = None
+        if inputs is not None:
+            paths = model or result.model
+            if not paths:
+                raise InputError(
+                    f"{result.path}: a recording speaks of muscles on their paths; give the "
+                    "OpenSim model that they lie in (model)"
+                )
+            told = against(result, leg_in_model(paths, side=side, pose=turned), inputs)
+            values = with_recording(values, told)
+        made.append(JudgedResult(result, values, told))
     return SecondOpinion(tuple(made))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, TypeVar
 from surae.base.errors import InputError
 from surae.base.working_folder import ignoring
 from surae.inference import FitResult
-from surae.inference.judging.assessment import Assessment
+from surae.inference.judging.assessed import Assessment
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,7 +6,7 @@ from typing import Any
 
 from surae.api import Fit
 from surae.base.setting import renamed, takes
-from surae.inference.judging.assessment import variance_inflation
+from surae.inference.judging.assessed import variance_inflation
 from surae.sampling.one_profile import profiled
 from surae.sampling.profiles import NamedProgress, Profiles, profiles
 from surae.sampling.settings import ProfileSettings

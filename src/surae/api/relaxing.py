@@ -15,7 +15,7 @@ from surae.base.frozen import FrozenDict
 from surae.base.records import to_plain
 from surae.base.setting import is_number
 from surae.base.tables import Tabular, TextTable
-from surae.inference.judging.adequacy import of_recordings
+from surae.inference.judging.of_data import of_recordings
 from surae.inference.relaxed.build import curve_of
 from surae.inference.relaxed.context import Laboratory
 from surae.inference.relaxed.curve import RelaxedCurve

@@ -19,6 +19,7 @@ from surae.model.knowledge_file import SESSION_TOML, SessionFile, known_from, re
 from surae.model.knowledge_words import lines_of
 from surae.model.laboratory import AUTO
 from surae.recording import Recording
+from surae.recording.beside import description_beside
 from surae.recording.corrections import CorrectionKeywords, Corrections
 from surae.recording.described import TrialDescription
 from surae.recording.mapping import Description
@@ -212,6 +213,12 @@ def session(
     )
 
 
+def files_of_trials(folder: PathLike, mapping: PathLike | None = None) -> tuple[Path, ...]:
+    """The files of a folder that a session takes for its trials, in their order."""
+    description = None if mapping is None else Description.of(open_mapping(mapping))
+    return tuple(trial_files([folder], description, _session_file([folder]).aside).values())
+
+
 def _refuse_unusable(readings: Sequence[Reading], description: Description | None) -> None:
     """Refuse trials of one name, none at all, none that can be read, and a mapping of others."""
     names = [reading.name for reading in readings]
@@ -245,8 +252,16 @@ def _session_file(paths: Sequence[Any]) -> SessionFile:
 def _recording(
     name: str, path: Path, description: Description | None, right: Corrections
 ) -> Recording:
-    """A file as it is read."""
-    return right(read(path) if description is None else description.read(path, name))
+    """A file as it is read; where it does not say what it holds, a mapping beside it may."""
+    if description is not None:
+        return right(description.read(path, name))
+    try:
+        recording = read(path)
+    except InputError as error:
+        if type(error) is not InputError or (beside := description_beside(path)) is None:
+            raise
+        recording = beside.read(path, name)
+    return right(recording)
 
 
 def _reading(name: str, path: Path, description: Description | None, right: Corrections) -> Reading:

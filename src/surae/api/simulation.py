@@ -1,12 +1,13 @@
 """What a model gives for a recording: torque, its parts, its tendons."""
 
 from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
 from typing import Any, Literal, overload
 
 import numpy as np
 
-from surae.api.given import AnyRecording
-from surae.api.recordings import as_inputs
+from surae.api.given import AnyRecording, read_in
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
 from surae.model import (
@@ -19,7 +20,9 @@ from surae.model import (
     get_model,
     with_optional,
 )
-from surae.signals import ModelInputs
+from surae.protocol import Trajectory, read_protocol
+from surae.recording import MUSCLES, Channel, Recording
+from surae.signals import ModelInputs, prepare
 
 
 @overload
@@ -61,8 +64,10 @@ def simulate(
     parameters : mapping of str to float
         Its parameters; those it does not free by default may be left out. So may those of its
         drives: `emd`, and `reflex_tri`, `reflex_tib`, `reflex_delay`, off unless given.
-    recording : Recording, ModelInputs or path
-        Angle and EMG on one uniform time axis.
+    recording : Recording, ModelInputs, Trajectory or path
+        Angle and EMG on one uniform time axis. Of raw EMG the envelopes are used, made and sampled
+        as a fit does by default; of a protocol, whose file is read too, the efforts as EMG in parts
+        of the largest.
     jacobian : bool
         Also return the derivatives of the torque.
     **options
@@ -90,7 +95,7 @@ def simulate(
     """
     spec = with_optional(get_model(model), parameters)
     chosen = ModelOptions.of(**options)
-    inputs = as_inputs(recording, prepared=True)
+    inputs = to_simulate(recording)
     simulator = spec.simulator(inputs, chosen)
     values = spec.vector(parameters, chosen)
     wanted = (*spec.free, *(name for name in spec.optional if name in parameters))
@@ -132,7 +137,7 @@ def simulate_parts(
     >>> values = surae.load("fit.json").values
     >>> surae.simulate_parts("muscle", values, "trial.csv").tissue.max()
     """
-    inputs = as_inputs(recording, prepared=True)
+    inputs = to_simulate(recording)
     spec = with_optional(get_model(model), parameters)
     return parts_of(spec, parameters, inputs, ModelOptions.of(**options))
 
@@ -164,9 +169,50 @@ def simulate_tendon(
     >>> values = surae.load("fit.json").values
     >>> surae.simulate_tendon("muscle-tendon", values, "trial.csv").elongation.max()
     """
-    inputs = as_inputs(recording, prepared=True)
+    inputs = to_simulate(recording)
     spec = with_optional(get_model(model), parameters)
     return tendon_of(spec, parameters, inputs, ModelOptions.of(**options))
+
+
+def to_simulate(recording: AnyRecording | Trajectory) -> ModelInputs:
+    """What a simulation is made of: signals as they are, but for raw EMG, which no model takes.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, or not be used so.
+    """
+    measured = to_read(recording)
+    if isinstance(measured, ModelInputs):
+        return measured
+    raw = measured.emg == "raw" and any(role.startswith("emg_") for role in measured.channels)
+    return prepare(measured, prepared=not raw or _is_rectified(measured))
+
+
+def to_read(recording: AnyRecording | Trajectory) -> Recording | ModelInputs:
+    """A recording as it is given or lies in a file, which may be of a protocol."""
+    if isinstance(recording, Trajectory):
+        return _of_protocol(recording)
+    if isinstance(recording, str | Path):
+        with suppress(InputError):  # else it is a recording, and reading it says what is wrong
+            return _of_protocol(read_protocol(recording), Path(recording).stem)
+    return read_in(recording)
+
+
+def _is_rectified(recording: Recording) -> bool:
+    """Whether what is said to be raw never goes below zero, as no raw EMG does."""
+    emg = [c.values for role, c in recording.channels.items() if role.startswith("emg_")]
+    return all(float(values.min()) >= 0.0 for values in emg)
+
+
+def _of_protocol(trajectory: Trajectory, name: str = "") -> Recording:
+    """What a protocol asks for as a recording: efforts are EMG in parts of the largest."""
+    said = "requested by a protocol"
+    channels = {"angle": Channel("angle", trajectory.time, trajectory.angle, "rad", said)}
+    for muscle, effort in zip(MUSCLES, trajectory.effort.T, strict=True):
+        role = f"emg_{muscle}"
+        channels[role] = Channel(role, trajectory.time, effort, "1", said)
+    return Recording(name=name or trajectory.settings.profile, channels=channels, emg="envelope")
 
 
 def _quietly() -> np.errstate:

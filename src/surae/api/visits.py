@@ -38,12 +38,18 @@ class Visit:
 
 
 def visits_report(
-    visits: Sequence[Visit], before: int, after: int, *, language: str = "en"
+    visits: Sequence[Visit],
+    before: int,
+    after: int,
+    *,
+    language: str = "en",
+    question: Sequence[str] = (),
 ) -> Report:
     """What changed from one of these visits to another, and stiffness at all of them over time.
 
     All are compared over the end of the range that every one of them moved through. Two legs, where
-    their sides differ, are compared as such.
+    their sides differ, are compared as such. `question` names what was asked before the second
+    visit was seen, and is as of `surae.change`.
     """
     _ = words_in(language, visits[after].fit.result.problem.options.anatomy)
     end = common_end(visit.fit.result for visit in visits)
@@ -53,7 +59,7 @@ def visits_report(
     rest = None
     if isinstance(curves[0], RelaxedCurve) and isinstance(curves[1], RelaxedCurve):
         rest = rest_change(curves[0], curves[1], CHANGE_ANGLES, legs=legs)
-    change = compare_sessions(sides[before], sides[after], legs=legs, rest=rest)
+    change = compare_sessions(sides[before], sides[after], legs=legs, rest=rest, question=question)
     lead = LEADING[0]
     points = []
     for visit, side in zip(visits, sides, strict=True):
@@ -99,13 +105,15 @@ def visits_blocks(
     before: int,
     after: int,
     language: str = "en",
+    question: Sequence[str] = (),
 ) -> dict[str, Any]:
     """What changed between two of these visits, and stiffness over all of them, as plain data.
 
     A visit is its name, its day, its side and its fit; see `visits_report`.
     """
     made = [Visit(name, day, side, fit_of(fit)) for name, day, side, fit in visits]
-    plain = visits_report(made, before, after, language=language).plain(lines=True)
+    report = visits_report(made, before, after, language=language, question=question)
+    plain = report.plain(lines=True)
     return {key: plain[key] for key in ("blocks", "images")}
 
 

@@ -81,20 +81,21 @@ def english() -> dict[str, str]:
 
 
 class Judgement(NamedTuple):
-    """What a word means to the eye, and how the leg's page puts it."""
+    """What a word that judges means to the eye, and how every page in English puts it."""
 
     role: Literal["good", "weak", "bad", "quiet"]
     plain: str = ""
 
 
+#: The one table of words that judge: on pages each is translated, and has no second one.
 JUDGEMENTS = {
-    "identified": Judgement("good", N_("known")),
-    "weak": Judgement("weak", N_("roughly")),
-    "undetermined": Judgement("weak", N_("not known")),
-    "at-bound": Judgement("bad", N_("at its limit")),
-    "fixed": Judgement("quiet", N_("assumed")),
+    "identified": Judgement("good", N_("identified")),
+    "weak": Judgement("weak", N_("weak")),
+    "undetermined": Judgement("weak", N_("undetermined")),
+    "at-bound": Judgement("bad", N_("at bound")),
+    "fixed": Judgement("quiet", N_("fixed")),
     "changed": Judgement("good", N_("changed")),
-    "no change shown": Judgement("weak", N_("none shown")),
+    "no change shown": Judgement("weak", N_("no change shown")),
     "not comparable": Judgement("quiet", N_("not comparable")),
     **dict.fromkeys(("adequate", "holds"), Judgement("good")),
     **dict.fromkeys(("doubtful", "warning", "cannot be checked"), Judgement("weak")),

@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -18,9 +18,6 @@ from surae.inference import FitResult
 from surae.model import activation, contraction, crosstalk, equilibrium, movement, parameters
 from surae.model.compliant_stage import GAMMA, RHO
 
-if TYPE_CHECKING:
-    from surae.causal.predictor import Predictor
-
 #: Of each precision: the ending of its functions, the solver's tolerance, and what the test
 #: allows, as a part of the peak torque beside an absolute difference [Nm].
 _PRECISIONS = {
@@ -31,6 +28,25 @@ _FUNCTIONS = ("EXP", "EXPM1", "LOG", "SQRT", "SIN", "COS", "ATAN2", "FABS")
 #: Steps of the test program.
 _STEPS = 400
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+
+
+class Stepped(Protocol):
+    """What is told of a predictor in C: how it is stepped, and what it gives of signals."""
+
+    @property
+    def rate_hz(self) -> float:
+        """Samples in a second [Hz]."""
+
+    @property
+    def emg(self) -> str:
+        """How EMG comes."""
+
+    @property
+    def account(self) -> str:
+        """What causality costs."""
+
+    def run(self, angle: FloatArray, emg: FloatArray) -> Any:
+        """Torque and its standard deviation of each sample [Nm]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +74,7 @@ class CSource:
 
 
 def c_source(
-    predictor: "Predictor", numbers: Numbers, result: FitResult, name: str, precision: str
+    predictor: Stepped, numbers: Numbers, result: FitResult, name: str, precision: str
 ) -> CSource:
     """The C file and header of a predictor, of a name and a precision.
 
@@ -158,7 +174,7 @@ def _rows(table: FloatArray) -> str:
     return ",\n".join(f"    {_values(row)}" for row in table)
 
 
-def _about(predictor: "Predictor", result: FitResult) -> str:
+def _about(predictor: Stepped, result: FitResult) -> str:
     """What a reader has to know, as lines of a comment."""
     from textwrap import wrap
 
@@ -178,7 +194,7 @@ def _plain(text: str) -> str:
     return text.replace("’", "'").encode("ascii", "replace").decode("ascii")
 
 
-def _signals(predictor: "Predictor", result: FitResult) -> FloatArray:
+def _signals(predictor: Stepped, result: FitResult) -> FloatArray:
     """Made-up signals of the size of the fit's, with the torque and its doubt, shape (n, 7)."""
     first = result.problem.inputs[0]
     low, high = (float(np.quantile(first.angle, q)) for q in (0.05, 0.95))

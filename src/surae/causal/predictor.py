@@ -18,7 +18,7 @@ from surae.causal.numbers import LEFT_OUT, Numbers, check_supported, numbers_of
 from surae.inference import Assessment, FitResult, Grade
 from surae.inference.judging.goodness import counted, vaf
 from surae.recording import MUSCLES, Recording
-from surae.signals import Effort, ModelInputs, Preparation
+from surae.signals import ModelInputs, Preparation, SmoothEffort
 
 if TYPE_CHECKING:
     from surae.causal.c99 import CSource
@@ -112,6 +112,10 @@ class Predictor:
         numbers = _numbers(result, self.rate_hz, preparation if self.emg == "raw" else None)
         runs = [_run(_own_numbers(result, r), r.angle, r.emg) for r in problem.inputs]
         errors = [_torque(r) - out[0] for r, out in zip(problem.inputs, runs, strict=True)]
+        if not all(np.isfinite(error).all() for error in errors):
+            raise InputError(
+                "stepped through, the fit’s own recordings give no finite torque; fit again"
+            )
         self.doubt: Doubt = doubt_of(
             result, assessment.uncertainty, [out[-DOUBT:] for out in runs], errors
         )
@@ -146,6 +150,10 @@ class Predictor:
             )
         if self.left_out:
             said.append(f"Left out, as it needs the measured torque: {listed(self.left_out)}.")
+        knowledge = self._fit.problem.settings.knowledge
+        plate = None if knowledge is None else knowledge.plate
+        if plate is not None and plate.file:
+            said.append("The torque is without that of the empty device, as the fit’s is.")
         return " ".join(said)
 
     def reset(self) -> None:
@@ -259,6 +267,7 @@ class Predictor:
                 "the units of angle and EMG"
             )
         first = self._fit.problem.inputs[0]
+        smooth, rate, smooth_rate = (read_only(out[k : k + 4]) for k in (14, 10, 18))
         time = np.arange(len(angle)) / self.rate_hz
         inputs = ModelInputs(
             "causal",
@@ -274,7 +283,7 @@ class Predictor:
             prepared=True,
             emg_reference=first.emg_reference,
             own_envelopes=first.own_envelopes,
-            effort=Effort(read_only(out[14:18]), read_only(out[10:14]), read_only(out[18:22])),
+            effort=SmoothEffort(smooth, rate, smooth_rate),
         )
         return CausalTorque(inputs.time, read_only(out[0]), read_only(out[1]), inputs)
 

@@ -10,13 +10,13 @@ import click
 from surae import api
 from surae.base.files import shown
 from surae.cli.options import EXCLUDE, MAPPING, corrections
-from surae.cli.paths import check_recordings
+from surae.cli.paths import in_folders
 from surae.cli.progress import work
 from surae.cli.screen import show_answer, show_line
 
 
 @click.command("check")
-@click.argument("recordings", metavar="REC…", nargs=-1, required=True)
+@click.argument("recordings", metavar="REC…|DIR", nargs=-1, required=True)
 @MAPPING
 @corrections
 @EXCLUDE
@@ -42,7 +42,7 @@ def command(
     do. Findings are no failure: the exit status is 0, or with --strict 1 where there is a warning
     or an error. The commanded motion may also be a column commanded_angle_rad of the recording.
     """
-    check_recordings(recordings)
+    recordings = in_folders(recordings, mapping)
 
     protocol = None if commanded is None else api.commanded_file(commanded)
     names: list[str] = []

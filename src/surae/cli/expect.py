@@ -1,6 +1,7 @@
 """`surae expect`."""
 
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import click
@@ -22,7 +23,7 @@ from surae.cli.screen import show_answer, show_files
 @click.option(
     "--fit",
     "fitted",
-    metavar="FIT.json",
+    metavar="FIT.json|DIR",
     help="Of one leg instead, as far as this fit knows it; model and noise are "
     "its. Of perturbations, the I.json of surae impedance.",
 )
@@ -40,7 +41,8 @@ def command(protocol: str, fitted: str | None, output: str | None, options: dict
     with compilation_notice(), work() as progress:
         tell = partial(progress.describe, "estimating what to expect")
         tell()
-        expectation = api.expect(protocol, fit=fitted, progress=tell, **options)
+        of = api.fit_of(fitted) if fitted is not None and Path(fitted).is_dir() else fitted
+        expectation = api.expect(protocol, fit=of, progress=tell, **options)
     if output is not None:
         write_json(output, expectation.to_json())
     show_answer(expectation.as_table())

@@ -91,7 +91,7 @@ def write_into(fitted: str, to: str, path: str, options: IntoOptions) -> None:
     given: dict[str, Any] = {
         "side": options.side,
         "strength": options.strength,
-        "pose": _angles(options.poses),
+        "pose": pose_of(options.poses),
     }
     with compilation_notice():
         model = api.export(
@@ -104,7 +104,7 @@ def write_into(fitted: str, to: str, path: str, options: IntoOptions) -> None:
     show_files(files)
 
 
-def _angles(poses: tuple[str, ...]) -> dict[str, float]:
+def pose_of(poses: tuple[str, ...]) -> dict[str, float]:
     """Coordinates with their angles [deg]."""
     angles = {}
     for text in poses:

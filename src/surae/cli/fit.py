@@ -9,14 +9,15 @@ from surae import api
 from surae.base.errors import ComputationError, InputError
 from surae.base.files import shown
 from surae.cli.check import show_short
+from surae.cli.grouped import Grouped
 from surae.cli.options import MAPPING, PICTURE, corrections, request, settings_options
-from surae.cli.paths import check_outputs, check_recordings
+from surae.cli.paths import check_outputs, in_folders
 from surae.cli.progress import StoppedError, Work, compilation_notice, work
 from surae.cli.screen import show_files, show_fit
 
 
-@click.command("fit")
-@click.argument("recordings", metavar="REC…", nargs=-1, required=True)
+@click.command("fit", cls=Grouped)
+@click.argument("recordings", metavar="REC…|DIR", nargs=-1, required=True)
 @MAPPING
 @corrections
 @settings_options(*api.FIT_RECORDS)
@@ -58,7 +59,7 @@ def command(
     Ctrl-C stops the search: the best fit so far is shown and written.
     """
     settings = request(options)
-    check_recordings(recordings)
+    recordings = in_folders(recordings, mapping)
 
     api.check_report(report)
     with work() as progress:

@@ -7,13 +7,13 @@ import click
 
 from surae import api
 from surae.cli.options import LANGUAGE, MAPPING, corrections
-from surae.cli.paths import check_outputs, check_recordings
+from surae.cli.paths import check_outputs, in_folders
 from surae.cli.progress import work
 from surae.cli.screen import show_answer, show_files
 
 
 @click.command("impedance")
-@click.argument("recordings", metavar="REC…", nargs=-1, required=True)
+@click.argument("recordings", metavar="REC…|DIR", nargs=-1, required=True)
 @MAPPING
 @corrections
 @click.option(
@@ -38,7 +38,7 @@ def command(
     come with intervals; whether a reflex is there is said by what it predicts of torque that was
     not fitted.
     """
-    check_recordings(recordings)
+    recordings = in_folders(recordings, mapping)
     given = [*recordings, *([empty] if empty is not None else [])]
     check_outputs({"--output": output, "--report": report}, given)
 

@@ -14,6 +14,20 @@ __all__ = ["check_outputs"]
 _HEAD = 200
 
 
+def in_folders(recordings: Sequence[str], mapping: str | None = None) -> tuple[str, ...]:
+    """The recordings, with those of a folder in its place, as surae session takes them from it."""
+    from surae import api
+
+    files: list[str] = []
+    for path in recordings:
+        if Path(path).is_dir():
+            files += [str(file) for file in api.files_of_trials(path, mapping)]
+        else:
+            files.append(path)
+    check_recordings(files)
+    return tuple(files)
+
+
 def check_recordings(recordings: Sequence[str]) -> None:
     """Refuse what is given in place of recordings by mistake.
 

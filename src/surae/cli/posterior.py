@@ -13,7 +13,7 @@ from surae.cli.screen import show_answer, show_files
 
 
 @click.command("posterior")
-@click.argument("fitted", metavar="FIT.json")
+@click.argument("fitted", metavar="FIT.json|DIR")
 @settings_options(api.PosteriorSettings)
 @click.option("--output", metavar="POSTERIOR.json", help="Write the posterior with its draws.")
 def command(fitted: str, output: str | None, options: dict[str, Any]) -> None:
@@ -24,7 +24,7 @@ def command(fitted: str, output: str | None, options: dict[str, Any]) -> None:
     """
     check_outputs({"--output": output}, [fitted])
 
-    fit = api.load(fitted)
+    fit = api.fit_of(fitted)
     with work() as progress, compilation_notice():
 
         def tell(done: int, total: int) -> None:

@@ -12,7 +12,7 @@ from surae.cli.screen import show_answer, show_files
 
 
 @click.command("profile")
-@click.argument("fitted", metavar="FIT.json")
+@click.argument("fitted", metavar="FIT.json|DIR")
 @click.argument("names", metavar="[NAME…]", nargs=-1)
 @settings_options(api.ProfileSettings)
 @click.option("--output", metavar="PROFILE.json", help="Write the profiles.")
@@ -27,7 +27,7 @@ def command(
     """
     check_outputs({"--output": output}, [fitted])
 
-    fit = api.load(fitted)
+    fit = api.fit_of(fitted)
     with work() as progress, compilation_notice():
         progress.describe("profiles")
         profiles = api.profile(

@@ -11,7 +11,7 @@ from surae.cli.screen import show_answer, show_files
 
 
 @click.command("reassess")
-@click.argument("fitted", metavar="FIT.json")
+@click.argument("fitted", metavar="FIT.json|DIR")
 @click.option("--output", metavar="FIT.json", help="Write the fit with the new verdicts.")
 def command(fitted: str, output: str | None) -> None:
     """Judge a saved fit as this version of surae does; its values stay.
@@ -21,7 +21,7 @@ def command(fitted: str, output: str | None) -> None:
     check_outputs({"--output": output}, [fitted])
     with compilation_notice(), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # what differs is renewed
-        fit = api.load(fitted).reassess()
+        fit = api.fit_of(fitted).reassess()
     if output is not None:
         fit.save(output)
     show_answer(fit.as_table())

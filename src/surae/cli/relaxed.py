@@ -6,13 +6,13 @@ import click
 
 from surae import api
 from surae.cli.options import LANGUAGE, MAPPING, NUMBER, corrections
-from surae.cli.paths import check_outputs, check_recordings
+from surae.cli.paths import check_outputs, in_folders
 from surae.cli.progress import work
 from surae.cli.screen import show_answer, show_files
 
 
 @click.command("relaxed")
-@click.argument("recordings", metavar="REC…", nargs=-1, required=True)
+@click.argument("recordings", metavar="REC…|DIR", nargs=-1, required=True)
 @MAPPING
 @corrections
 @click.option(
@@ -41,7 +41,7 @@ def command(
     angles. Rest is found by the EMG, near its noise. Intervals hold what foot, plate, sensor, the
     angle's zero and relaxation leave open.
     """
-    check_recordings(recordings)
+    recordings = in_folders(recordings, mapping)
     check_outputs({"--output": output, "--report": report}, recordings)
 
     api.check_report(report)

@@ -1,13 +1,15 @@
 """`surae session`."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import click
 
 from surae import api
-from surae.base.errors import ComputationError
+from surae.base.errors import ComputationError, InputError
 from surae.base.files import shown
+from surae.cli.grouped import Grouped
 from surae.cli.options import (
     LANGUAGE,
     MAPPING,
@@ -21,12 +23,16 @@ from surae.cli.progress import StoppedError, Work, compilation_notice, work
 from surae.cli.screen import show_files, show_line, show_table
 
 
-@click.command("session")
+@click.command("session", cls=Grouped)
 @click.argument("recordings", metavar="FILES|DIR", nargs=-1, required=True)
 @MAPPING
 @corrections
 @settings_options(*api.FIT_RECORDS)
-@click.option("--output", required=True, metavar="OUT/", help="Folder of the fits and the report.")
+@click.option(
+    "--output",
+    metavar="OUT/",
+    help="Folder of the fits and the report.  [default: DIR-session, beside DIR]",
+)
 @click.option("--report", metavar="R.pdf", help="Write the report here too: HTML or PDF.")
 @LANGUAGE
 @click.option("--before", metavar="DIR", help="Results of an earlier visit, to show what changed.")
@@ -35,7 +41,7 @@ def command(
     recordings: tuple[str, ...],
     mapping: str | None,
     options: dict[str, Any],
-    output: str,
+    output: str | None,
     report: str | None,
     language: str,
     before: str | None,
@@ -51,6 +57,7 @@ def command(
     Ctrl-C keeps what is complete.
     """
     settings = request(options)
+    output = output or default_folder(recordings)
     if report is not None and Path(report).resolve().parent != Path(output).resolve():
         check_outputs({"--report": report}, recordings)  # OUT/ is not there yet
 
@@ -62,6 +69,9 @@ def command(
         progress.describe("reading and sorting the trials")
 
         trials = api.session(list(recordings), mapping=mapping, **corrections)
+        for toml, names in trials.same_layout.items():
+            said = f"read as {shown(toml)} says, whose columns they have; --mapping takes another"
+            click.echo(f"surae: {', '.join(names)}: {said}", err=True)
         with compilation_notice():
             result = trials.run(
                 output, settings, progress=lambda step: _tell(progress, step), workers=workers
@@ -86,6 +96,17 @@ def command(
         )
     if not (result.fits or result.joint or result.nerve):
         raise ComputationError("no trial could be fitted")
+
+
+def default_folder(recordings: Sequence[str]) -> str:
+    """Where results go that are given no folder: beside that of the trials, never in it."""
+    first = Path(recordings[0])
+    folder = first if first.is_dir() else first.parent
+    whole = folder.resolve()
+    if not whole.name:
+        raise InputError("give --output: there is no place beside the trials")
+    beside = folder.parent if folder.name else Path("..")
+    return str(beside / f"{whole.name}-session")
 
 
 def _tell(progress: Work, step: "api.Step") -> None:

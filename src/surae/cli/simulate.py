@@ -36,14 +36,20 @@ def command(
 ) -> None:
     """Compute the torque that a model gives for the angle and EMG of a recording.
 
-    The signals are used as they are. OUT.csv holds them with torque_Nm, the modelled torque, and
+    IN.csv is a recording, or a protocol as surae protocol writes it, whose efforts are EMG in parts
+    of the largest. The signals are used as they are; of raw EMG the envelopes, made and sampled as
+    surae fit does. OUT.csv holds them with torque_Nm, the modelled torque, and
     its parts; muscle-tendon models add lengths, velocities and forces of muscles and tendons.
     P.json may hold emd, a delay of the EMG, and reflex_tri, reflex_tib, reflex_delay, a reflex. A
     FIT.json also says the model and its options, unless they are given here.
     """
-    measured = api.read(recording)
-    inputs = api.prepare(measured, prepared=True)
-    check_outputs({"--output": output}, [parameters, *(file.path for file in measured.files)])
+    measured = api.to_read(recording)
+    assert isinstance(measured, api.Recording)  # a file holds no other
+    inputs = api.to_simulate(measured)
+    check_outputs(
+        {"--output": output},
+        [parameters, recording, *(file.path for file in measured.files)],
+    )
 
     source = api.read_parameters(parameters)
     spec = api.with_optional(api.get_model(model or source.model or "muscle"), source.values)
@@ -54,7 +60,8 @@ def command(
     if source.emg_unit not in (None, inputs.emg_unit):
         raise InputError(
             f"{shown(recording)}: its EMG is in {inputs.emg_unit!r}, that of {shown(parameters)} "
-            f"in {source.emg_unit!r}; the weights do not carry over"
+            f"in {source.emg_unit!r}; the weights do not carry over: of parts of the largest EMG, "
+            "as a protocol asks for them, give a fit made with --normalise session"
         )
     weights = dict(zip(api.MUSCLES, spec.weights, strict=True))
     silent = [muscle for muscle in inputs.missing_emg if source.values[weights[muscle]]]
@@ -68,7 +75,11 @@ def command(
         except ComputationError as error:
             raise ComputationError(f"{shown(parameters)}: {error}") from None
         state = spec.simulator(inputs, known).tendon(values)
-    table = api.csv_columns(measured) | {"torque_Nm": parts.total} | dict(parts.columns())
+    if not inputs.prepared:
+        said = f"its EMG is raw: envelopes are used, at {inputs.rate_hz:g} Hz as surae fit has them"
+        click.echo(f"surae: {shown(recording)}: {said}", err=True)
+    own = api.csv_columns(measured) if inputs.prepared else inputs.columns()
+    table = own | {"torque_Nm": parts.total} | dict(parts.columns())
     if state is not None:
         table |= state.columns()
     # The model takes the EMG as an envelope, whatever the file said of it.

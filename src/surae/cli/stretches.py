@@ -6,13 +6,13 @@ import click
 
 from surae import api
 from surae.cli.options import LANGUAGE, MAPPING, corrections
-from surae.cli.paths import check_outputs, check_recordings
+from surae.cli.paths import check_outputs, in_folders
 from surae.cli.progress import work
 from surae.cli.screen import show_answer, show_files
 
 
 @click.command("stretches")
-@click.argument("recordings", metavar="REC…", nargs=-1, required=True)
+@click.argument("recordings", metavar="REC…|DIR", nargs=-1, required=True)
 @MAPPING
 @corrections
 @click.option("--output", metavar="R.json", help="Write what was found.")
@@ -32,7 +32,7 @@ def command(
     given, the angle at which it would answer an endlessly slow stretch; repeats of one speed give
     the smallest change that can be detected on this leg.
     """
-    check_recordings(recordings)
+    recordings = in_folders(recordings, mapping)
     check_outputs({"--output": output, "--report": report}, recordings)
 
     api.check_report(report)

@@ -8,14 +8,14 @@ import click
 from surae import api
 from surae.base.files import shown, write_json
 from surae.cli.options import EXCLUDE, MAPPING, corrections
-from surae.cli.paths import check_outputs
+from surae.cli.paths import check_outputs, in_folders
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_files, show_line, show_predictions
 
 
 @click.command("validate")
 @click.argument("fitted", metavar="FIT.json|DIR")
-@click.argument("recordings", metavar="REC…", nargs=-1, required=True)
+@click.argument("recordings", metavar="REC…|DIR", nargs=-1, required=True)
 @MAPPING
 @corrections
 @click.option(
@@ -41,6 +41,7 @@ def command(
     DIR is the folder of a session, whose joint fit is taken. Beside each prediction stands what is
     predicted without a model.
     """
+    recordings = in_folders(recordings, mapping)
     api.check_report(report)
     measured = [api.read(path, mapping=mapping, **corrections) for path in recordings]
     check_outputs(
@@ -76,6 +77,9 @@ def _table(paths: Sequence[str], predictions: Sequence["api.Prediction"]) -> lis
             row[f"{name}_vaf"] = getattr(p.baselines, name)
             if reason := getattr(p.baselines, f"{name}_reason"):
                 row[f"{name}_reason"] = reason
+        if p.simplest_vaf is not None:
+            row["simplest_vaf"] = p.simplest_vaf
+            row["simplest_share"] = p.simplest
         if (judged := p.adequacy) is not None:
             row |= {"r2": judged.r2, "grade": str(judged.grade), "reasons": list(judged.reasons)}
         if p.fascicles:

@@ -22,6 +22,7 @@ from surae.inference import AssessedFit
 from surae.inference.saved.fit_json import save_fit
 from surae.recording import MUSCLE_NAMES, Channel, Recording
 from surae.recording.frames import library
+from surae.recording.writing import column_name
 
 VERSION = "1.11.1"  #: Of BIDS.
 #: What EMG is written in, and by how much it is multiplied.
@@ -155,6 +156,11 @@ def _unit(channel: Channel) -> tuple[str, float]:
     return _MICRO if channel.unit == "V" else (channel.unit, 1.0)
 
 
+def _name(role: str, channel: Channel) -> str:
+    """What a channel is called, as our CSV would; EDF has room for 16 letters."""
+    return column_name(role, _unit(channel)[0])[:16]
+
+
 def _edf(recording: Recording) -> tuple[Any, float, float]:
     """The EDF of a recording, the seconds it lasts, and those that were cut from its end."""
     edfio = library("edfio", "EMG-BIDS", "formats")
@@ -183,7 +189,7 @@ def _edf(recording: Recording) -> tuple[Any, float, float]:
             edfio.EdfSignal(
                 np.ascontiguousarray(values),
                 rates[role],
-                label=role[:16],
+                label=_name(role, channel),
                 physical_dimension=unit[:8],
                 physical_range=_range(values),
             )
@@ -267,7 +273,14 @@ def _channels(recording: Recording) -> list[tuple[str, ...]]:
         kind = "EMG" if role.startswith("emg_") else "MISC"
         words = channel.source or role.replace("_", " ")
         rows.append(
-            (role, kind, _unit(channel)[0], " ".join(words.split()), f"{_rate(channel):g}", muscle)
+            (
+                _name(role, channel),
+                kind,
+                _unit(channel)[0],
+                " ".join(words.split()),
+                f"{_rate(channel):g}",
+                muscle,
+            )
         )
     return rows
 

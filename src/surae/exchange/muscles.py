@@ -33,6 +33,11 @@ _FL = (
 _FV = (-0.3211346127989808, -8.149, -0.374, 0.8825327733249912)
 _FV_SLOPE = _FV[0] * _FV[1] / (1.0 + _FV[2] ** 2) ** 0.5
 _TENDON = 0.2
+#: Growth of passive force there, the strain at which it is the largest active one, and the length
+#: at which it is none.
+_PASSIVE = 4.0
+_PASSIVE_STRAIN = 0.6
+_SHORTEST = 0.2
 #: Shortest and longest fibre of OpenSim, with room, where the tendon stretches as it does in the
 #: fit [optimal lengths]; where a path leaves no room for both, the shortest holds.
 _FIBRE = (0.25, 1.75)
@@ -273,7 +278,7 @@ class DeGrooteMuscle:
         high = np.full_like(length, FECC)
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
-            stretch = self.strain * np.log1p(middle / _TENDON) / np.log1p(1.0 / _TENDON)
+            stretch = tendon_strain(middle, self.strain)
             along = length - self.slack * (1.0 + stretch)
             more = self._active(along, speed, activation) > middle
             low = np.where(more, middle, low)
@@ -296,6 +301,25 @@ class DeGrooteMuscle:
             b1 * np.exp(-0.5 * ((fibre - b2) / (b3 + b4 * fibre)) ** 2) for b1, b2, b3, b4 in _FL
         )
         return np.asarray(sum(bells, start=np.zeros_like(fibre)))
+
+
+def tendon_strain(force: FloatArray, strain: float) -> FloatArray:
+    """Strain of OpenSim's tendon at a force in parts of the largest, where it is `strain`.
+
+    De Groote et al. (2016), the curve's inverse with its offset at rest left out.
+    """
+    return np.asarray(strain * np.log1p(np.maximum(force, 0.0) / _TENDON) / np.log1p(1.0 / _TENDON))
+
+
+def passive_fibre(length: FloatArray) -> FloatArray:
+    """Passive force of OpenSim's fibre, of the largest, at a length [optimal lengths].
+
+    De Groote et al. (2016) as OpenSim has it: none at a fifth of the optimal length, the largest
+    active one at 1.6.
+    """
+    none = np.exp(_PASSIVE * (_SHORTEST - 1.0) / _PASSIVE_STRAIN)
+    grown = np.exp(_PASSIVE * (length - 1.0) / _PASSIVE_STRAIN)
+    return np.asarray(np.maximum(grown - none, 0.0) / (np.exp(_PASSIVE) - none))
 
 
 @dataclass(frozen=True, slots=True)

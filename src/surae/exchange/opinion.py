@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from surae.base.words import Message
+from surae.exchange.against_recording import LEAST, AgainstRecording
 from surae.exchange.foreign_result import ForeignResult, ForeignValue
 from surae.exchange.humans import GENERIC, range_of
 
@@ -35,11 +36,6 @@ class Remark:
     #: "at-start", "contradicted".
     kind: str
     sentence: str  #: A `Message`.
-
-    @property
-    def is_grave(self) -> bool:
-        """Whether the value says nothing of the person, or something untrue."""
-        return self.kind != "untold"
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +68,39 @@ def judged(result: ForeignResult) -> tuple[JudgedValue, ...]:
             remarks = [*shared.get((value.muscle, value.parameter), ()), *remarks]
         made.append(JudgedValue(value, tuple(remarks)))
     return tuple(made)
+
+
+def with_recording(
+    values: Sequence[JudgedValue], told: AgainstRecording
+) -> tuple[JudgedValue, ...]:
+    """Values with what a recording says against them."""
+    verdicts = told.verdicts()
+    against = {
+        (each.muscle, each.parameter): each
+        for each in told.told
+        if verdicts[each.muscle, each.parameter] == "contradicted"
+    }
+    made = []
+    for value in values:
+        each = against.get((value.of.muscle, value.of.parameter))
+        if each is None:
+            made.append(value)
+            continue
+        said = Message("opinion/contradicted", better=1e3 * each.better, gain=each.gain)
+        made.append(JudgedValue(value.of, (Remark("contradicted", said), *value.remarks)))
+    return tuple(made)
+
+
+def recording_said(of: AgainstRecording) -> Message:
+    """What a recording says of all muscles together."""
+    code = "opinion/followed" if of.r2 >= LEAST else "opinion/not-followed"
+    return Message(code, recording=of.recording, r2=of.r2)
+
+
+def disputed_said(of: AgainstRecording) -> Message | None:
+    """Which muscles the recording opposes without telling which of them; None where none."""
+    muscles = sorted({m for (m, _), verdict in of.verdicts().items() if verdict == "disputed"})
+    return Message("opinion/disputed", muscles=", ".join(muscles)) if muscles else None
 
 
 def same(one: float, other: float, by: float = SAME) -> bool:

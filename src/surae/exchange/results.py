@@ -77,7 +77,7 @@ def read_result(path: PathLike, *, calibration: PathLike | None = None) -> Forei
         return _nmsm_table(data, where)
     root = parse_xml(data, where)
     if root.tag == "OpenSimDocument" and root.find("Model") is not None:
-        return _of_model(root, where)
+        return _of_model(root, where, str(file))
     if next(root.all("RCNLMuscle"), None) is not None:
         return _nmsm(root, file)
     if root.tag == "subject":
@@ -106,7 +106,7 @@ def _file_of(path: Path) -> Path:
     return found[0]
 
 
-def _of_model(root: Node, where: str) -> ForeignResult:
+def _of_model(root: Node, where: str, path: str) -> ForeignResult:
     """An OpenSim model's muscles."""
     values = []
     for muscle in muscles_of(root, where):
@@ -124,7 +124,7 @@ def _of_model(root: Node, where: str) -> ForeignResult:
         if listed is not None
         for body in listed.all("Body")
     )
-    return ForeignResult("OpenSim", where, tuple(values), where, mass or None)
+    return ForeignResult("OpenSim", where, tuple(values), path, mass or None)
 
 
 def model_beside(name: str, path: Path) -> ForeignResult | None:
@@ -139,7 +139,7 @@ def model_beside(name: str, path: Path) -> ForeignResult | None:
     for place in places:
         if place.is_file() and not is_link(place):
             root = parse_xml(read_bytes(place, _LARGEST), shown(place))
-            return _of_model(root, str(place))
+            return _of_model(root, shown(place), str(place))
     return None
 
 

@@ -1,15 +1,15 @@
 """What the package offers, one line each, and where it is made."""
 
-from surae.inference.judging.adequacy import Adequacy as Adequacy
-from surae.inference.judging.adequacy import Grade as Grade
-from surae.inference.judging.assessment import AssessedFit as AssessedFit
-from surae.inference.judging.assessment import Assessment as Assessment
-from surae.inference.judging.assessment import RecordingQuality as RecordingQuality
+from surae.inference.judging.assessed import AssessedFit as AssessedFit
+from surae.inference.judging.assessed import Assessment as Assessment
+from surae.inference.judging.assessed import RecordingQuality as RecordingQuality
 from surae.inference.judging.assessment import assess as assess
 from surae.inference.judging.goodness import Whiteness as Whiteness
 from surae.inference.judging.goodness import rmse as rmse
 from surae.inference.judging.goodness import vaf as vaf
 from surae.inference.judging.goodness import whiteness as whiteness
+from surae.inference.judging.grade import Adequacy as Adequacy
+from surae.inference.judging.grade import Grade as Grade
 from surae.inference.judging.parameter import Interval as Interval
 from surae.inference.judging.parameter import ParameterEstimate as ParameterEstimate
 from surae.inference.judging.reasons import Reason as Reason

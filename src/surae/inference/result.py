@@ -130,6 +130,13 @@ class LeastSquares(_Solution):
         """Whether only one of several starts came to the best minimum."""
         return self.agreeing == 1 < len(self.starts)
 
+    @property
+    def one_start(self) -> str:
+        """Why a lower minimum may not have been seen, a message's code; empty where it would."""
+        if len(self.starts) == 1:
+            return "note/no-other-start"
+        return "note/one-start" if self.is_alone else ""
+
 
 @filed("starts", "agreeing", "stages", "outcome", beliefs="priors", covariance="covariance")
 @dataclass(frozen=True, slots=True, eq=False)
@@ -170,6 +177,7 @@ class PosteriorMode(_Solution):
     simplest: Mapping[str, float] = field(default_factory=FrozenDict)
     outliers: ClassVar[None] = None  #: Its noise is learnt, and no loss is asked for.
     is_alone: ClassVar[bool] = False  #: The search goes on from the best start's end.
+    one_start: ClassVar[str] = ""  #: It looks for other valleys itself.
     #: A tendon that hardly stretches is a limit that a family reaches, and no end of its search.
     may_vanish: ClassVar[tuple[str, ...]] = TENDONS
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from surae.base.words import Message
 from surae.inference import AssessedFit, FitResult, Grade
-from surae.inference.judging.adequacy import OF_RECORDINGS
+from surae.inference.judging.of_data import OF_RECORDINGS
 from surae.inference.judging.reasons import Reason, Scope
 from surae.inference.relaxed.build import curve_of
 from surae.inference.relaxed.context import Laboratory

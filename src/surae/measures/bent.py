@@ -11,7 +11,8 @@ from surae.base.normal import NORMAL
 from surae.base.units import FloatArray
 from surae.inference import FitResult
 from surae.inference.uncertainty.combined import Uncertainty
-from surae.measures.leg import Leg, leg_of, of_any_path
+from surae.measures.fitted_leg import leg_of, of_any_path
+from surae.measures.leg import Leg
 from surae.measures.points import Evaluated
 
 #: Possible legs that are drawn, their seed, and how far a measure at the ends of its interval may

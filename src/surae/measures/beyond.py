@@ -4,7 +4,7 @@ import math
 
 from surae.base.words import Message
 from surae.inference import FitResult
-from surae.measures.leg import leg_of, measured_range
+from surae.measures.fitted_leg import leg_of, measured_range
 from surae.measures.points import Evaluated
 from surae.measures.table import Definition
 

@@ -15,7 +15,7 @@ from surae.inference.judging.verdict import ANGLE, PART, verdict_of
 from surae.inference.uncertainty.combined import ZERO, Uncertainty
 from surae.measures.bent import drawn_legs
 from surae.measures.beyond import extrapolated
-from surae.measures.leg import leg_of
+from surae.measures.fitted_leg import leg_of
 from surae.measures.measure import Measure
 from surae.measures.points import Evaluated, MeasurePoint, evaluate
 from surae.measures.reliability import SCATTER, reliability_of, smallest_detectable

@@ -18,7 +18,7 @@ from surae.measures.at_rest import rest_of_fit
 from surae.measures.beyond import extrapolated
 from surae.measures.by_model import disputed, rests_on
 from surae.measures.compute import judged_measures
-from surae.measures.leg import leg_of
+from surae.measures.fitted_leg import leg_of
 from surae.measures.measure import Measure
 from surae.measures.points import ANGLES, Evaluated, points
 from surae.measures.table import ELECTRODES, LEADING

@@ -7,7 +7,7 @@ part in it. Lengths, arms and the balance of muscle and tendon are those of `sur
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -15,25 +15,22 @@ import numpy as np
 from surae.base.errors import ComputationError
 from surae.base.units import FloatArray
 from surae.base.words import Message
-from surae.inference import FitResult
 from surae.inference.result import LARGEST
 from surae.inference.uncertainty.combined import ZERO
 from surae.measures.muscle import Muscle, MuscleHold, MusclePlace, elongation, series
-from surae.model import ModelOptions, ModelSpec, Simulator, TorqueParts, get_model, with_optional
+from surae.measures.turned import held_still, tied_to_angles
+from surae.model import ModelOptions, ModelSpec, Simulator, TorqueParts
 from surae.model.contraction import FECC, MVSH
 from surae.model.equilibrium import FREE, solve
 from surae.model.geometry import JointAxis, paths
 from surae.model.movement import OWN_PATH
 from surae.model.parameters import JOINT_RESTS, OPTIONAL
-from surae.model.symmetry import with_paths
 from surae.model.tendon import TendonCurve, tendon_curve
 from surae.signals import ModelInputs
-from surae.signals.resample import thinned, thinning_factor
 
 #: Triceps surae and tibialis anterior, in the order of everything that has two groups.
 GROUPS = ("tri", "tib")
-#: Percentiles of the angle between which the ankle was moved, and a range that is none [deg].
-_MOVED = (1.0, 99.0)
+#: Degrees of movement that are no range.
 _LITTLE = 2.0
 #: The slow stretch: from, beyond the end of, and by [deg]; its speed [deg/s].
 _STRETCH = (-30.0, 40.1, 0.2)
@@ -43,10 +40,6 @@ _STILL = 1e-9
 _DEGREE = np.pi / 180.0
 #: How parameters begin that are the paths and curves of a leg.
 _OF_LEG = ("arm_", "path_", "length_", "fl_", "fv_", "joint_")
-#: Rate [Hz] at which sums over recordings tell how they change with the leg, and the samples that
-#: are left of each at least.
-_RATE_HZ = 64.0
-_SAMPLES = 400
 #: Angles between which a length is looked for [deg].
 _ENDS = (-150.0, 150.0)
 
@@ -140,7 +133,7 @@ class Leg:
         key = angle, second
         if key not in self._geometry:
             at = np.array([angle])
-            still = _still(second, 1)
+            still = held_still(second, 1)
             both = paths(angle=at, velocity=np.zeros(1), options=self.options, second=still)
             tri, tib = (
                 MusclePlace(
@@ -383,7 +376,9 @@ class Leg:
         own = (*(n for n in self.spec.optional if n.startswith(_OF_LEG)), "angle_zero")
         tissue = self.options.tissue
         bare = self.options if tissue is None else replace(self.options, tissue=None)
-        names, simulator = _turned(self.spec.name, own, bare, tuple(degrees), rate_hz, self._second)
+        names, simulator = tied_to_angles(
+            self.spec.name, own, bare, tuple(degrees), rate_hz, self._second
+        )
         values = {**self.values, "m": 0.0, "angle_zero": self.values.get(ZERO, 0.0)}  # no limb
         torque = simulator.torque(np.array([values[name] for name in names]))
         if tissue is not None:
@@ -397,78 +392,7 @@ class Leg:
         return degrees, self.passive_torque(degrees.tolist(), _STRETCHING / _STRETCH[2])
 
 
-@lru_cache(maxsize=8)
-def _turned(
-    model: str,
-    own: tuple[str, ...],
-    options: ModelOptions,
-    degrees: tuple[float, ...],
-    rate_hz: float,
-    second: float | None,
-) -> tuple[tuple[str, ...], Simulator]:
-    """A model's parameters, and the model tied to a leg without activity that is turned so."""
-    spec = with_optional(get_model(model), own)
-    angle = np.array(degrees) * _DEGREE
-    n = len(angle)
-    velocity = np.gradient(angle, 1.0 / rate_hz)
-    inputs = ModelInputs(
-        "turned",
-        rate_hz,
-        np.arange(n) / rate_hz,
-        angle,
-        velocity,
-        np.zeros(n),
-        np.zeros((n, 4)),
-        "V",
-        None,
-        prepared=True,
-        second=_still(second, n),
-    )
-    return spec.names, spec.simulator(inputs, options, beyond=True)
-
-
-def _still(second: float | None, n: int) -> tuple[FloatArray, ...]:
-    """Angle and velocity of a second joint at an angle, of `ModelInputs`."""
-    return () if second is None else (np.full(n, second), np.zeros(n))
-
-
 def _largest(of: Sequence[FloatArray]) -> dict[str, float]:
     """By group, the 99th percentile of what all recordings have of both, shape (2, n) each."""
     most = np.percentile(np.concatenate(of, axis=1), LARGEST, axis=1)
     return dict(zip(GROUPS, most.tolist(), strict=True))
-
-
-def measured_range(
-    result: FitResult, percentiles: tuple[float, float] = (0.5, 99.5)
-) -> tuple[float, float]:
-    """Lowest and highest angle of the samples that count, by the ankle's zero as given [deg]."""
-    angles = [recording.angle[recording.counts] for recording in result.problem.inputs]
-    zero = result.values.get("angle_zero", 0.0)
-    low, high = np.degrees(np.percentile(np.concatenate(angles), percentiles) + zero)
-    return float(low), float(high)
-
-
-def leg_of(result: FitResult) -> Leg:
-    """The leg of a fit."""
-    problem = result.problem
-    moved = measured_range(result, _MOVED)
-    gained = result.solution.gained
-    return Leg(problem.spec, problem.options, result.values, problem.inputs, moved, gained)
-
-
-def thinned_leg(leg: Leg) -> Leg:
-    """The leg whose torque is split at a rate that tells how it changes, if not of every sample.
-
-    Of sums over a recording the derivatives are the same from half of the samples or an eighth.
-    Percentiles of active states stay those of all: what is left where their derivatives cancel is
-    less than a rate changes them.
-    """
-    thin = tuple(thinned(r, thinning_factor(r, _RATE_HZ, _SAMPLES)) for r in leg.inputs)
-    return replace(leg, thin=thin, _ties={}, _holds={}, _muscles={}, _angles={})
-
-
-def of_any_path(leg: Leg) -> Leg:
-    """The leg in a model whose arms and paths may be others, now as they are."""
-    spec = with_paths(leg.spec)
-    values = {**dict.fromkeys(spec.names, 0.0), **leg.values}
-    return replace(leg, spec=spec, values=values, _ties={}, _holds={}, _muscles={}, _angles={})

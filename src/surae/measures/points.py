@@ -13,7 +13,8 @@ from surae.base.units import FloatArray
 from surae.base.words import Message
 from surae.inference import FitResult
 from surae.inference.uncertainty.combined import Uncertainty
-from surae.measures.leg import Leg, NotDefinedError, leg_of, of_any_path, thinned_leg
+from surae.measures.fitted_leg import leg_of, of_any_path, thinned_leg
+from surae.measures.leg import Leg, NotDefinedError
 from surae.measures.table import DEFINITIONS, Definition
 from surae.model.laboratory import OUTSIDE, group_of
 

@@ -9,7 +9,7 @@ from surae.base.frozen import Comparable, read_only
 from surae.base.normal import Student
 from surae.base.units import FloatArray
 from surae.inference import AssessedFit, FitResult
-from surae.measures.leg import measured_range
+from surae.measures.fitted_leg import measured_range
 from surae.measures.points import MeasurePoint, evaluate
 from surae.measures.table import DEFINITIONS
 from surae.model.movement import gravity_torque

@@ -53,7 +53,7 @@ from surae.model.movement import LegMovement, MusclePath
 from surae.model.options import ModelOptions
 from surae.model.parameters import CROSSTALK, OPTIONAL, OPTIONAL_PARAMETERS
 from surae.recording import MUSCLES
-from surae.signals import Effort, ModelInputs, smooth_effort
+from surae.signals import ModelInputs, SmoothEffort, smooth_effort
 
 #: EMG channels of triceps and tibialis.
 GROUPS = (slice(1, 4), slice(0, 1))
@@ -263,13 +263,13 @@ class Excitation:
         return Drive(signal, slopes, late, delay if delay in wanted else -1)
 
 
-def _effort(inputs: ModelInputs, emg: FloatArray) -> Effort:
+def _effort(inputs: ModelInputs, emg: FloatArray) -> SmoothEffort:
     """The recording's effort, or that of envelopes of shape (4, n)."""
     if inputs.effort is not None:
         return inputs.effort
     smooth = smooth_effort(emg, inputs.rate_hz)
     rate, smooth_rate = (np.gradient(e, 1.0 / inputs.rate_hz, axis=1) for e in (emg, smooth))
-    return Effort(smooth, np.asarray(rate), np.asarray(smooth_rate))
+    return SmoothEffort(smooth, np.asarray(rate), np.asarray(smooth_rate))
 
 
 #: What a reflex answers; its derivatives by speed and by length, and those by k and x0.

@@ -41,7 +41,11 @@ class NerveMeasure:
 def number_of(
     name: str, number: Number | None, note: str = "", ends: tuple[float, float] = (0.0, np.inf)
 ) -> NerveMeasure:
-    """A measure of an estimate; of none the ends that it may lie between."""
+    """A measure of an estimate; of none the ends that it may lie between.
+
+    None of them is below zero in a leg, so that no interval of one that is not reaches there; the
+    verdict is by what its interval was before.
+    """
     unit, _ = MEASURES[name]
     if number is None:
         return NerveMeasure(None, unit, ends, Verdict.UNDETERMINED, note)
@@ -49,4 +53,5 @@ def number_of(
     verdict = verdict_of(number.value, half, OF_REFLEX if name.startswith("reflex_") else PART)
     if verdict is Verdict.WEAK and verdict_of(number.value, half) is Verdict.IDENTIFIED:
         note = note or ONE_LAW
-    return NerveMeasure(number.value, unit, (number.low, number.high), verdict, note)
+    low = max(number.low, min(number.value, 0.0))
+    return NerveMeasure(number.value, unit, (low, number.high), verdict, note)

@@ -16,7 +16,7 @@ from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
 from surae.base.words import Message
 from surae.inference import AssessedFit, Assessment
-from surae.inference.judging.adequacy import Grade
+from surae.inference.judging.grade import Grade
 from surae.inference.judging.parameter import percent
 from surae.inference.judging.verdict import IDENTIFIED, Verdict
 from surae.inference.uncertainty.covariance import half_width

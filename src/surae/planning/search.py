@@ -190,10 +190,13 @@ def _of_range(moved: tuple[float, float]) -> dict[str, tuple[tuple[float, float]
     """What is of a range [deg], as relaxed torques at angles and by what each counts."""
     low, high = moved
     last = max(low, high - _LAST)
+    # a foot that is held still has a torque, and no range
+    over = 1.0 / (high - last) if high > last else math.nan
+    once = 1.0 if high > low else math.nan
     return {
         "end_torque": ((high, 1.0),),
-        "torque_rise": ((high, 1.0), (low, -1.0)),
-        "end_stiffness": ((high, 1.0 / (high - last)), (last, -1.0 / (high - last))),
+        "torque_rise": ((high, once), (low, -once)),
+        "end_stiffness": ((high, over), (last, -over)),
     }
 
 

@@ -1,13 +1,25 @@
 """Every check by name, and the one that runs them all."""
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
 from surae.base.plugins import plugins
 from surae.model.joint import ANKLE, Joint
-from surae.quality import activity, emg, film, lag, mains, position, reflex, timing, torque
+from surae.quality import (
+    activity,
+    emg,
+    emg_flat,
+    film,
+    lag,
+    mains,
+    position,
+    reflex,
+    timing,
+    torque,
+)
 from surae.quality.commanded import Commanded
 from surae.quality.electrodes import Electrodes
 from surae.quality.finding import SEVERITIES, Finding, Quality, Skipped, Unjudged
@@ -47,7 +59,7 @@ CHECKS: tuple[Check, ...] = (
     Check(("emg-kind",), emg.kind),
     Check(("emg-missing",), emg.missing),
     Check(("as-read",), timing.as_read),
-    Check(("emg-flat",), emg.flat),
+    Check(("emg-flat",), emg_flat.flat),
     Check(("emg-doubled",), emg.doubled),
     Check(("emg-clipped",), emg.clipped),
     Check(("emg-aliased",), emg.aliased),
@@ -76,6 +88,21 @@ CHECKS: tuple[Check, ...] = (
     Check(("film-repeated",), film.repeated),
     Check(("film-jump",), film.jumps),
     Check(("film-clock", "film-drift"), film.against_the_robot),
+)
+
+#: Of single samples: what they find stays in any part of a recording, and needs no model of it.
+OF_SAMPLES: tuple[Check, ...] = (
+    Check(("emg-flat",), emg_flat.flat),
+    Check(("emg-doubled",), emg.doubled),
+    Check(("emg-clipped",), emg.clipped),
+    Check(("emg-artefact",), emg.artefact),
+    Check(("electrode-off",), mains.off),
+    Check(("electrode-off",), activity.silenced),
+    Check(("torque-limit",), torque.limit),
+    Check(("torque-artefact",), torque.artefact),
+    Check(("film-lost",), film.lost),
+    Check(("film-repeated",), film.repeated),
+    Check(("film-jump",), film.jumps),
 )
 
 
@@ -112,6 +139,21 @@ def check_recording(
         skipped = [skip for skip in skipped if skip.check not in _ANKLES]
         skipped += [Skipped(code, "Its limits are not known of this joint.") for code in _ANKLES]
     return Quality(recording.name, ordered(findings), tuple(skipped))
+
+
+def check_samples(piece: Recording, electrodes: Electrodes) -> list[Finding]:
+    """What is wrong with single samples in a piece of a long recording.
+
+    `electrodes` are what the whole recording shows of its electrodes.
+    """
+    if unfit(piece) is not None:
+        return []
+    trial = trial_of(piece, electrodes=electrodes, modelled=False)
+    findings: list[Finding] = []
+    for check in OF_SAMPLES:
+        with suppress(Unjudged):
+            findings += check.run(trial)
+    return findings
 
 
 def ordered(findings: list[Finding]) -> tuple[Finding, ...]:

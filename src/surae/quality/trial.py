@@ -106,12 +106,15 @@ def trial_of(
     signals: Signals | None = None,
     joint: Joint = ANKLE,
     electrodes: Electrodes | None = None,
+    *,
+    modelled: bool = True,
 ) -> CheckedTrial:
     """Bring a recording's signals to what the checks compare.
 
     The channels share a span of time. A commanded profile that is not given is recognised from the
     angle where it can be. `electrodes` are what all trials of the leg show; without them the trial
-    is judged against itself.
+    is judged against itself. What is not `modelled` has no model of its torque, no profile and no
+    effort, which take long.
     """
     seen = signals or signals_of(recording)
     time = seen.time
@@ -122,7 +125,14 @@ def trial_of(
     own = electrodes_of(recording, seen.fast, rate)
     if electrodes is not None:
         own = Electrodes({**own.levels, **electrodes.levels}, electrodes.trials)
-    model = torque_model(time, rate, seen.angle, torque, seen.fast) if torque is not None else None
+    model = None
+    if modelled and torque is not None:
+        model = torque_model(time, rate, seen.angle, torque, seen.fast)
+    profile = commanded
+    asked = None
+    if modelled:
+        profile = commanded or recognised(recording.channels["angle"])
+        asked = _requested_effort(time, slow, commanded)
     return CheckedTrial(
         *(getattr(seen, field.name) for field in fields(seen)),
         recording=recording,
@@ -131,8 +141,8 @@ def trial_of(
         model=model,
         electrodes=own,
         joint=joint,
-        commanded=commanded or recognised(recording.channels["angle"]),
-        effort=_requested_effort(time, slow, commanded),
+        commanded=profile,
+        effort=asked,
     )
 
 

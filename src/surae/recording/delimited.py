@@ -23,6 +23,7 @@ from surae.recording.table import Clock, Column, Table, instants
 from surae.recording.times import (
     LOOKED_AT,
     counted,
+    is_clocks,
     is_part_of_movement,
     rises_in_percent,
     seconds,
@@ -83,7 +84,8 @@ def table_of(
     where = f"{source.shown}: row {head.row}"
     decimal = _decimal(source, head)
     time = "" if clock is None else clock.column
-    if clock is not None and not given and (unit := head.units.get(time)):
+    unit = head.units.get(time)
+    if clock is not None and not given and unit and not is_clocks(unit):
         seconds(unit, time, where)
         clock = replace(clock, unit=plain(unit))
     first = next(itertools.islice(source.lines(), head.row, None), "")

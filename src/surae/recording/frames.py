@@ -8,7 +8,7 @@ import numpy as np
 
 from surae.base.errors import InputError
 from surae.base.records import to_plain
-from surae.base.units import kind
+from surae.base.units import FloatArray, kind
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -88,6 +88,39 @@ def library(name: str, purpose: str, extra: str = "notebook") -> Any:
 _SHOWN = {"rad": (180.0 / np.pi, "°"), "V": (1e3, "mV"), "m": (1e3, "mm")}
 
 
+#: Part of the samples that a channel's height is made for: spikes may reach its neighbours.
+_HEIGHT = 99.5
+
+
+def _stacked(
+    panel: "Axes",
+    names: Sequence[str],
+    signals: Sequence[tuple[FloatArray, FloatArray]],
+    unit: str,
+) -> None:
+    """Channels one below the other on one scale, named at their zeros, with a bar of that scale."""
+    height = max(float(np.percentile(np.abs(values), _HEIGHT)) for _, values in signals) or 1.0
+    apart = 2.0 * height if any(values.min() < 0.0 for _, values in signals) else 1.1 * height
+    zeros = [-apart * k for k in range(len(signals))]
+    for name, zero, (time, values) in zip(names, zeros, signals, strict=True):
+        panel.plot(time, zero + values, linewidth=0.6, label=name)
+    panel.set_yticks(zeros, names)
+    panel.set_ylim(zeros[-1] - 0.6 * apart, 0.9 * apart)
+    bar = 10.0 ** np.floor(np.log10(height))
+    bar *= max(step for step in (1.0, 2.0, 5.0) if step * bar <= height)
+    end = float(max(time[-1] for time, _ in signals))
+    panel.plot([end, end], [zeros[-1], zeros[-1] + bar], color="black", linewidth=2.5)
+    panel.annotate(
+        f"{bar:g} {unit}",
+        (end, zeros[-1] + 0.5 * bar),
+        xytext=(4, 0),
+        textcoords="offset points",
+        va="center",
+        fontsize=8,
+    )
+    panel.set_ylabel(f"emg [{unit}]")
+
+
 def plotted(name: str, channels: "Mapping[str, Any]") -> "Sequence[Axes]":
     """Draw every kind of signal in a panel of its own; derivatives of the angle are left out."""
     from matplotlib import pyplot
@@ -106,11 +139,15 @@ def plotted(name: str, channels: "Mapping[str, Any]") -> "Sequence[Axes]":
     )
     figure.suptitle(name, fontsize=10)
     for panel, (what, roles) in zip(axes[:, 0], panels.items(), strict=True):
-        for role in roles:
-            channel = channels[role]
-            factor, unit = _SHOWN.get(channel.unit, (1.0, channel.unit.replace("1", "-")))
-            label = role.replace("_", " ")
-            panel.plot(channel.time, factor * channel.values, linewidth=0.8, label=label)
+        of_these = [channels[role] for role in roles]
+        unit = of_these[0].unit
+        factor, unit = _SHOWN.get(unit, (1.0, unit.replace("1", "-")))
+        names = [role.replace("_", " ") for role in roles]
+        if what == "emg" and len(roles) > 1:
+            _stacked(panel, names, [(c.time, factor * c.values) for c in of_these], unit)
+            continue
+        for name_, channel in zip(names, of_these, strict=True):
+            panel.plot(channel.time, factor * channel.values, linewidth=0.8, label=name_)
         panel.set_ylabel(f"{what} [{unit}]")
         if len(roles) > 1:
             panel.legend(fontsize=8, frameon=False)

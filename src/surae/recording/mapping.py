@@ -31,7 +31,9 @@ from surae.recording.trials import chosen_trials
 
 #: What a mapping has and nothing else: a channel.
 _CHANNELS = re.compile(
-    r"""^\s*(?:\[\s*['"]?channels['"]?\s*[.\]]|channels\s*(?:\.|=\s*\{))""", re.MULTILINE
+    r"""^\s*(?:\[\s*['"]?channels['"]?\s*\.|channels\s*(?:\.|=\s*\{)"""
+    r"""|\[\s*['"]?channels['"]?\s*\]\s*(?:#.*\s*)*[\w"']+\s*(?:\.|=\s*\{))""",
+    re.MULTILINE,
 )
 #: How the first line of a TOML file begins: a table, or a key with its equals sign.
 _FIRST = re.compile(r"\s*(\[|(?!(?i:sep)=.\s*$)[\w.\"' -]+=)")

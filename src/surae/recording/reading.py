@@ -12,6 +12,7 @@ from surae.base.files import PathLike, shown
 from surae.base.frozen import freeze
 from surae.base.units import SI, plain
 from surae.recording import hdf5, opensim
+from surae.recording.beside import description_beside
 from surae.recording.channels import Scaling, channel, settle_unit
 from surae.recording.corrections import Corrections
 from surae.recording.described import MappedRecording
@@ -77,9 +78,19 @@ def read(
         return corrections(Description.of(open_mapping(mapping)).read(path))
     source = open_source(path)
     described = read_described(source)
-    return corrections(
-        described or recording_of_table(open_table(source), source.name, (source.file,))
-    )
+    if described is not None:
+        return corrections(described)
+    table = open_table(source)
+    try:
+        recording = recording_of_table(table, source.name, (source.file,))
+    except InputError as error:
+        if type(error) is InputError and (other := description_beside(path, table.names)):
+            raise InputError(
+                f"{error}; {other.source.shown} describes a file with these columns: it reads this "
+                f"one too as mapping (--mapping {other.source.shown})"
+            ) from None
+        raise
+    return corrections(recording)
 
 
 def read_trials(
@@ -317,12 +328,28 @@ def _where(table: Table, name: str) -> str:
     return f"{table.file}: column {name!r}{row}"
 
 
+def _likely(table: Table) -> str:
+    """Which columns seem to be the angle and the torque by their names; empty where none does."""
+    seem: dict[str, str] = {}
+    for name in table.names:
+        guess = guess_role(name, table.units.get(name))
+        if guess is not None and len(guess.roles) == 1 and guess.roles[0] in ("angle", "torque"):
+            seem.setdefault(guess.roles[0], f"{some([name])} seems to be the {guess.roles[0]}")
+    return f" ({', '.join(seem.values())})" if seem else ""
+
+
 def _no_angle(table: Table) -> str:
     """Why a table without a column of ours for the angle is refused."""
     if table.header is not None and table.time_name in TIMES:
         emg = [name for name in table.names if NAMES.get(plain(name), ("",))[0].startswith("emg_")]
+        seems = _likely(table)
+        lacks = (
+            f"no column is called angle_rad (or angle_deg){seems}"
+            if seems
+            else ("missing column angle_rad (or angle_deg)")
+        )
         return (
-            f"{table.file}: row {table.header}: missing column angle_rad (or angle_deg); columns "
+            f"{table.file}: row {table.header}: {lacks}; columns "
             f"found: {some((table.time_name, *table.names))}; rename them, or describe the file "
             "in a TOML mapping, which `surae inspect` begins"
             + "; EMG alone is a recording of maximum contractions: give it by --mvc"
@@ -331,7 +358,8 @@ def _no_angle(table: Table) -> str:
     remarks = {table.remarks.get(name, "") for name in table.names}
     alike = "".join(remarks) if len(remarks) == 1 else ""  # what is remarked of all columns
     return (
-        f"{table.file}: {table.format} columns don't say which is the angle, the torque, the EMG: "
+        f"{table.file}: its {table.format} columns have other names than surae's own"
+        f"{_likely(table)}: "
         "write a TOML mapping, which `surae inspect FILE --output MAP.toml` begins, and read "
         f"that; columns here: {some(table.names)}{f' ({alike})' if alike else ''}"
     )

@@ -24,6 +24,10 @@ _TIME, _BESIDE, _PART = (set(WORDS[each]) for each in ("time", "beside_time", "p
 _WITH_UNIT = re.compile(
     r"(?P<name>.*?)\s*(?:[(\[]\s*(?P<in>[^()\[\]]{1,20}?)\s*[)\]]|[,:]\s*(?P<behind>[^\s,:]+))\s*"
 )
+#: What stands in brackets where a column has times of day or of a stopwatch.
+_OF_CLOCK = re.compile(
+    r"(?:h{1,2}:)?m{1,2}:s{1,2}(?:[.,:][a-z0]{1,9})?|h{1,2}:m{1,2}", re.IGNORECASE
+)
 _LAST = re.compile(r"(?P<name>.*[^\W_])[_ ](?P<in>[^\W_]+)")
 #: What clocks show between the years 2000 and 2050, by their unit: from 1970 on, .NET's ticks of
 #: 100 ns from the year 1.
@@ -59,6 +63,11 @@ def split_unit(name: str) -> tuple[str, str]:
     return name, ""
 
 
+def is_clocks(unit: str) -> bool:
+    """Whether what stands for a unit says how a time of day is written: ``hh:mm:ss``."""
+    return _OF_CLOCK.fullmatch(unit) is not None
+
+
 def unit_in_name(name: str) -> str:
     """What a name says in brackets where a unit would be; empty where it has none."""
     match = _WITH_UNIT.fullmatch(name.strip())
@@ -70,11 +79,14 @@ def time_named(name: str) -> Clock | None:
     if "%" in name.removeprefix("%time"):
         return None
     bare, unit = split_unit(name)
+    other = "" if unit else unit_in_name(name)
+    if is_clocks(other):
+        bare, other = name.partition(other)[0], ""
     words = words_of(bare)
     alone = spelled(plain(bare).strip(" _%"))
     if not unit and alone in FACTORS["time"] and len(words) == 1 and len(words[0]) > 2:
         return Clock(name, str(alone), "its name is a unit of time")  # Seconds, millis
-    if (other := unit_in_name(name)) and not unit and other.casefold() not in _BESIDE:
+    if other and other.casefold() not in _BESIDE:
         return None
     if words == ("t",) or (words and {*words} <= _TIME | _BESIDE and {*words} & _TIME):
         return Clock(name, unit, "its name")
@@ -138,9 +150,13 @@ def seconds(unit: str, name: str, where: str) -> float:
     """
     known = FACTORS["time"].get(spelled(unit) or "")
     if known is None:
-        percent = " (a movement in percent has no speed)" * ("%" in unit or "percent" in unit)
+        if "%" in unit or "percent" in unit:
+            raise InputError(
+                f"{where}, column {name!r}: a movement in percent has no speed; give the recording "
+                "as it was measured, with its times"
+            )
         raise InputError(
-            f"{where}, column {name!r}: unit {unit!r} is not known for time{percent}; use "
+            f"{where}, column {name!r}: unit {unit!r} is not known for time; use "
             "time_s or time_ms, time_us, time_ns, time_min or time_h"
         )
     return known

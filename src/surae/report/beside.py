@@ -30,8 +30,10 @@ def beside(p: Prediction) -> str:
         return ""
     pairs = [(TEMPLATE, of.template, of.template_reason), (RIDGE, of.ridge, of.ridge_reason)]
     known = [f"{name} {percentage(share)} %" for name, share, _ in pairs if share is not None]
+    if p.simplest_vaf is not None:
+        known.append(f"the muscle model without departures {percentage(p.simplest_vaf)} %")
     missing = [f"{name}: none, as {why}" for name, share, why in pairs if share is None and why]
-    said = f"VAF without a model: {', '.join([*known, *missing])}."
+    said = f"VAF of others: {', '.join([*known, *missing])}."
     return f"{said} {follows([p])}" if known else said
 
 
@@ -42,9 +44,9 @@ def of_movement(predictions: Sequence[Prediction]) -> str:
         return ""
     shares = listed([f"{100 * p.simplest:.0f} % of {p.name!r}" for p in other])
     return (
-        "Angle and speed scatter otherwise than in the fit. What the family explains of one "
-        "movement need not be so in another: its torque is averaged with that of the muscle model "
-        f"without departures ({shares}), and how far both are apart widens the interval."
+        "Angle and speed scatter otherwise than in the fit, which is of inverse dynamics and not "
+        "adequate: what it explains of one movement need not be so in another. Its torque is "
+        f"averaged with that of the muscle model without departures ({shares})."
     )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from surae.base.formatting import listed
 from surae.inference import AssessedFit, Assessment, LeastSquares, ParameterEstimate, Verdict
-from surae.inference.judging.adequacy import Grade
+from surae.inference.judging.grade import Grade
 from surae.inference.judging.parameter import percent
 from surae.model.source_table import SOURCES, advice
 from surae.planning.information import covariance_if_filmed

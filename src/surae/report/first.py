@@ -23,7 +23,7 @@ from surae.report.figures.relaxed import relaxed_figure
 from surae.report.invariants import is_invariant
 from surae.report.language import MEASURES, Words, words_in
 from surae.report.leg import angle_of
-from surae.report.leg_cards import is_known
+from surae.report.leg_cards import is_known, on_page_of
 from surae.report.provenance import requested
 from surae.report.rest_card import stated_angle
 from surae.report.traces import Traces
@@ -175,12 +175,10 @@ def _is_relaxed(m: Measure, at: float) -> bool:
 def _rows(measures: Sequence[Measure], words: Words) -> Iterator[block.Row]:
     """Those that are known, a row each."""
     for m in [m for m in measures if is_known(m)][:_MOST]:
-        assert m.value is not None
-        assert m.ci95 is not None
-        unit, factor = on_page(m.unit)
-        low, high = (factor * end for end in m.ci95)
-        value, half = with_half(factor * m.value, (low, high))
-        yield _called(m, words), value, f"{half} {unit}", block.verdict(m.verdict)
+        number, ci95 = on_page_of(m)
+        assert ci95 is not None
+        value, half = with_half(number, ci95)
+        yield _called(m, words), value, f"{half} {on_page(m.unit)[0]}", block.verdict(m.verdict)
 
 
 def _called(m: Measure, words: Words) -> str:

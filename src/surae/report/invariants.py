@@ -10,6 +10,7 @@ from surae.measures.compute import judged_measures
 from surae.measures.points import points
 from surae.measures.table import INVARIANT
 from surae.report import block
+from surae.report.leg_cards import on_page_of
 
 _NAMES = frozenset(definition.name for definition in INVARIANT)
 _NOTE = (
@@ -36,15 +37,13 @@ def invariants_section(measures: Sequence[Measure]) -> block.Section:
     for m in measures:
         if m.value is None:
             continue
-        unit, factor = on_page(m.unit)
-        ci95 = None if m.ci95 is None else (factor * m.ci95[0], factor * m.ci95[1])
-        text = of_interval(factor * m.value, ci95)
+        text = of_interval(*on_page_of(m))
         rows.append(
             (
                 block.Cell(m.name, kind="code", meaning=m.meaning),
                 text.value,
                 text.interval,
-                unit,
+                on_page(m.unit)[0],
                 block.verdict(m.verdict, why=m.note),
             )
         )

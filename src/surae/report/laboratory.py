@@ -4,7 +4,7 @@ import numpy as np
 
 from surae.base.formatting import NO_NUMBER, estimate, probability, significant
 from surae.inference import AssessedFit, FitResult, ParameterEstimate
-from surae.inference.judging.adequacy import Grade
+from surae.inference.judging.grade import Grade
 from surae.inference.judging.random_effects import trial_spread
 from surae.inference.result import Candidate
 from surae.model import get_model

@@ -12,7 +12,7 @@ from surae.measures import Measures, measures
 from surae.measures.change.compare import compare_sessions
 from surae.measures.change.result import Change
 from surae.measures.compared import Quantities, common_end, quantities
-from surae.measures.leg import measured_range
+from surae.measures.fitted_leg import measured_range
 from surae.measures.norms import Norm, read_norms
 from surae.measures.points import ANGLES
 from surae.measures.table import LEADING
@@ -31,7 +31,7 @@ from surae.report import block, leg_cards
 from surae.report.figures import Figure
 from surae.report.figures.leg import shares_bar, stiffness_figure
 from surae.report.language import Words
-from surae.report.nerve_card import nerve_card
+from surae.report.nerve_card import nerve_card, stiffness_of
 from surae.report.rest_card import rest_card, stated_angle
 from surae.trials import Trial
 
@@ -86,12 +86,15 @@ def leg_answers(
     slope = measured_slope(holds, stretches, at)
     if m is not None and of_fit is not None and model is not None and disputed is None:
         stiff = leg_cards.modelled_stiffness(m, of_fit, known, slope, _)
+    elif slope is None and (evoked := stiffness_of(nerve, _)):
+        stiff = evoked
     else:
         stiff = leg_cards.measured_stiffness(
             slope, m, disputed, _, without_weight=model is not None
         )
     parts = [] if of_fit is None else leg_cards.parts_of(of_fit)
-    made = leg_cards.made_of(joint, of_fit, parts, _)
+    made = leg_cards.made_of(joint, of_fit, parts, _, disputed=disputed is not None)
+    leads = None if of_fit is None else of_fit.get(f"slow_stiffness@{at:g}deg")
     change = None
     if joint is not None and before is not None:
         change = compared(before, joint)
@@ -113,15 +116,12 @@ def leg_answers(
         if by_rest is not None:
             stiff, picture = by_rest.said, by_rest.picture
             figures["stiffness"] = by_rest.figure
-    nerves = []
-    if nerve is not None:
-        card, drawn = nerve_card(nerve, _)
-        figures |= drawn
-        nerves = [(_("How much is nerve?"), card, "nerve")]
+    nerves, drawn = nerve_card(nerve, _)
+    figures |= drawn
     sections = (
         (_("How stiff is it?"), (*stiff, picture), "stiff"),
         (_("Tissue, muscle or tendon?"), made, "made"),
-        (_("Did it change?"), leg_cards.change_card(change, _), "change"),
+        (_("Did it change?"), leg_cards.change_card(change, _, leads), "change"),
         (
             _("Can I trust it?"),
             (
@@ -130,7 +130,7 @@ def leg_answers(
             ),
             "trust",
         ),
-        *nerves,
+        (_("How much is nerve?"), nerves, "nerve"),
     )
     return LegAnswers(
         tuple(block.Section(*card, "card") for card in sections), figures, of_fit, at, zero

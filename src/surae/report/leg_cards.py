@@ -6,18 +6,20 @@ from dataclasses import replace
 import numpy as np
 
 from surae.base.formatting import NO_NUMBER, short, significant
+from surae.base.units import on_page
 from surae.inference import Adequacy, AssessedFit, Assessment, Grade, Verdict
 from surae.inference.judging.reasons import OF_OTHER_TRIALS, Reason
 from surae.measures import Measure, Measures
 from surae.measures.agreement import said_of
 from surae.measures.change.result import Change
 from surae.measures.difference import ChangeVerdict, Difference
-from surae.measures.norms import Norm, placed
+from surae.measures.norms import Norm
 from surae.measures.table import LEADING
 from surae.measures.torque_curve import HeldPoint, MeasuredSlope, Stretch
 from surae.model.source_table import advice
 from surae.report import block
 from surae.report.language import PARTS, Words
+from surae.report.normal import beside
 
 #: What a part of the torque is called, its share and the share's interval [%].
 Part = tuple[str, float, tuple[float, float] | None]
@@ -47,35 +49,11 @@ def modelled_stiffness(
     assert m.value is not None
     value, span = _.estimate(m.value, m.ci95)
     where = _("{range}, relaxed · 95 %: {span}", range=over(m, _), span=span)
-    lines = [block.Text(where, "say", f"{value} Nm/°"), *norm_lines(of_fit, known, _)]
+    number = block.Text(where, "say", f"{value} Nm/°")
+    lines: list[block.Block] = [beside(number, of_fit, known, _)]
     if slope is not None:
         lines.append(block.Text(_("Measured slope: {slope}.", slope=slope_text(slope, _))))
     return tuple(lines)
-
-
-def norm_lines(of_fit: Measures, known: Sequence[Norm], _: Words) -> list[block.Text]:
-    """Where a leg's measures lie among healthy ones, or among others where there are none."""
-    lines = []
-    groups = [norm for norm in known if "healthy" in norm.group] or known
-    for p in placed(of_fit, groups):
-        own, _span = _.estimate(p.value, of_fit[p.norm.measure].ci95)
-        below = p.text if p.ends is None else f"{p.text} ({_.span(*p.ends)})"
-        lines.append(
-            block.Text(
-                _(
-                    "{measure}: {value} {unit}; {below} of {n} {group} lie below ({reference}).",
-                    measure=_.measure(p.norm.measure),
-                    value=own,
-                    unit=p.norm.unit.replace("deg", "°"),
-                    below=below,
-                    n=str(p.norm.n),
-                    group=", ".join(filter(None, [_(p.norm.group), p.norm.age, p.norm.sex])),
-                    reference=p.norm.reference,
-                ),
-                "note",
-            )
-        )
-    return lines
 
 
 def measured_stiffness(
@@ -93,9 +71,7 @@ def measured_stiffness(
     if slope is None:
         return (
             block.Text("", "say", _("Not measured")),
-            block.Text(
-                _("Record one slow passive stretch, or hold the relaxed ankle at three angles.")
-            ),
+            block.Text(_("Record one slow relaxed movement over the whole range: 30 s.")),
         )
     why = _("The model cannot yet separate stiffness from the rest.")
     if disputed is not None and modelled is not None and modelled.value is not None:
@@ -179,27 +155,32 @@ def parts_of(of_fit: Measures) -> list[Part]:
 
 
 def made_of(
-    joint: AssessedFit | None, of_fit: Measures | None, parts: Sequence[Part], _: Words
+    joint: AssessedFit | None,
+    of_fit: Measures | None,
+    parts: Sequence[Part],
+    _: Words,
+    *,
+    disputed: bool = False,
 ) -> tuple[block.Block, ...]:
     """The shares of the torque, where the recordings separate them."""
     if joint is None or of_fit is None:
         return (
             block.Text("", "say", _("Not known")),
-            block.Text(_("There is no fit of this leg as a whole.")),
+            block.Text(
+                _("Record one trial in which the calf works and rests in turn, with its EMG: 35 s.")
+            ),
         )
     why = ""
-    if _no_calf(joint):
-        why = _(
-            "No EMG of the calf was recorded, so its muscle and tissue look alike. Record "
-            "soleus and both gastrocnemii."
-        )
-    elif not parts:
-        why = _("The recordings do not separate them.")
+    if not parts:
+        why = _("Record one trial in which the calf works and rests in turn, with its EMG: 35 s.")
+        if _no_calf(joint):
+            why = _("Record the same trial with EMG of soleus and both gastrocnemii: 35 s.")
     elif of_fit.adequacy.grade is Grade.INADEQUATE:
-        why = _("The fit is not good enough.")
+        why = _("The fit is not good enough: first do what “Can I trust it?” says.")
     if why:
         return block.Text("", "say", _("Cannot separate")), block.Text(why), _tendon(of_fit, _)
-    headline = share_words(parts, _)
+    unheard = _no_calf(joint)
+    headline = share_words(parts, _, unheard=unheard, disputed=disputed)
     numbers = " · ".join(
         f"{_(message)} {value:.0f} % ({_.span(f'{max(ci[0], 0):.0f}', f'{min(ci[1], 100):.0f}')})"
         for message, value, ci in parts
@@ -207,20 +188,34 @@ def made_of(
     )
     alt = _("Shares of the torque: {numbers}", numbers=numbers)
     picture = block.Picture("made", alt, numbers, "here", 100)
-    return block.Text(_("in these trials"), "say", headline), picture, _tendon(of_fit, _)
+    text = _("No EMG of the calf was recorded: tissue may be less, and muscle more.")
+    hidden = (block.Text(text, "note"),) if unheard else ()
+    said = block.Text(_("in these trials"), "say", headline)
+    return said, picture, *hidden, _tendon(of_fit, _)
 
 
-def share_words(parts: Sequence[Part], _: Words) -> str:
-    """Which of tissue and muscle resists, as far as the intervals of their shares tell."""
+def share_words(
+    parts: Sequence[Part], _: Words, *, unheard: bool = False, disputed: bool = False
+) -> str:
+    """Which of tissue and muscle resists, as far as the intervals of their shares tell.
+
+    A calf that works unheard looks like tissue, or takes from what the tibialis is seen to do: what
+    is said of muscle is then the least of it, and nothing of tissue. Where trials dispute the
+    stiffness (`disputed`), neither is called more than the other.
+    """
     (_tissue, _value, tissue), (_muscle, _other, muscle) = parts[:2]
-    low_tissue, low_muscle = (0.0 if ci is None else ci[0] for ci in (tissue, muscle))
-    if low_tissue > _HALF:
-        return _("Mostly tissue")
-    if low_muscle > _HALF:
-        return _("Mostly active muscle")
-    if min(low_tissue, low_muscle) > 0.0:
-        return _("Both tissue and muscle")
-    return _("Not clear which resists more")
+    low_tissue, high_tissue = tissue or (0.0, 100.0)
+    low_muscle, high_muscle = muscle or (0.0, 100.0)
+    least = f"{max(low_muscle, 0.0):.0f}"
+    claims = (
+        (low_tissue > _HALF and not unheard, _("Mostly tissue")),
+        (low_muscle > _HALF, _("Mostly active muscle")),
+        (low_muscle > high_tissue and not disputed, _("More muscle than tissue")),
+        (unheard, _("Muscle: at least {least} %", least=least)),
+        (low_tissue > high_muscle and not disputed, _("More tissue than muscle")),
+        (min(low_tissue, low_muscle) > 0.0, _("Both tissue and muscle")),
+    )
+    return next((said for holds, said in claims if holds), _("Not clear which resists more"))
 
 
 def _no_calf(joint: AssessedFit) -> bool:
@@ -238,13 +233,29 @@ def _tendon(of_fit: Measures, _: Words) -> block.Text:
     return block.Text(text, "note")
 
 
-def change_card(change: Change | None, _: Words) -> tuple[block.Block, ...]:
-    """What changed since another visit, or between two legs, in measures that are fixed."""
+def change_card(
+    change: Change | None, _: Words, told: Measure | None = None
+) -> tuple[block.Block, ...]:
+    """What changed since another visit, or between two legs, in measures that are fixed.
+
+    Of one visit: from which change on another would show it, in the measure `told` first.
+    """
     if change is None:
-        return (
+        lines = [
             block.Text("", "say", _("One visit")),
-            block.Text(_("Add another visit of this leg to see what changed."), "choose"),
-        )
+            block.Text(_("Record the same trials again another day, and add that visit.")),
+        ]
+        if told is not None and told.sdc is not None:
+            unit, factor = on_page(told.unit)
+            least = _.number(significant(factor * told.sdc, 2))
+            text = _(
+                "{measure}: a change of {least} {unit} or more would show.",
+                measure=_.measure(told.name),
+                least=least,
+                unit=unit,
+            )
+            lines.append(block.Text(text, "note"))
+        return tuple(lines)
     every = {**change.measures, **change.parameters}
     found = [d for n, d in every.items() if n in COMPARED or d.asked]
     found += [d for d in change.changed if d not in found]
@@ -275,16 +286,28 @@ def sides(change: Change, _: Words) -> tuple[str, str]:
 
 def differing(d: Difference, _: Words) -> tuple[str | block.Cell, ...]:
     """A row of a comparison: what is compared, both values, the difference."""
-    both = [NO_NUMBER if v is None else _.number(significant(v, 3)) for v in (d.before, d.after)]
+    factor = on_page(d.unit)[1]
+    both = [
+        NO_NUMBER if v is None else _.number(significant(factor * v, 3))
+        for v in (d.before, d.after)
+    ]
     difference = block.Cell(NO_NUMBER)
     if d.difference is not None and d.ci95 is not None:
-        difference = block.Cell(*_.estimate(d.difference, d.ci95))
+        low, high = (factor * end for end in d.ci95)
+        difference = block.Cell(*_.estimate(factor * d.difference, (low, high)))
     return (titled(d, _), *both, difference)
+
+
+def on_page_of(m: Measure) -> tuple[float, tuple[float, float] | None]:
+    """A measure's value and interval in the unit of pages."""
+    factor = on_page(m.unit)[1]
+    ci95 = None if m.ci95 is None else (factor * m.ci95[0], factor * m.ci95[1])
+    return factor * (m.value or 0.0), ci95
 
 
 def titled(m: Measure | Difference, _: Words) -> str:
     """What a measure is called, over which range, and with its unit where it has one."""
-    unit = m.unit.replace("deg", "°").strip("-")
+    unit = on_page(m.unit)[0]
     where = over(m, _)
     name = _.measure(m.name) + (f", {where}" if where else "")
     return f"{name} [{unit}]" if unit else name

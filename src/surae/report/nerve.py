@@ -1,11 +1,13 @@
 """The pages of tissue and reflex: perturbed recordings in one table, each with its figures."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from datetime import datetime
 from math import nan
 
 from surae.base.formatting import NO_NUMBER, percentage, significant
 from surae.base.frozen import FrozenDict
+from surae.base.units import on_page
 from surae.base.words import N_, Message
 from surae.nerve.answer import Impedance, in_degrees, measure_rows
 from surae.nerve.leg import stretch_torque
@@ -96,7 +98,7 @@ def impedance_report(impedance: Impedance, *, created: datetime, language: str =
         )
     for number, recording in enumerate(impedance.recordings, 1):
         sections.append(_recording(recording, number, figures, _))
-    told = {row[0]: row for row in measure_rows(impedance.measures)}
+    told = {row[0]: row for row in measure_rows(_on_page(impedance.measures))}
     key = tuple(
         (
             _(_NAMES[name]),
@@ -191,12 +193,28 @@ def _translated(row: Sequence[str], _: Words) -> tuple[str, ...]:
     return (recording, *written, _(note))
 
 
+def _on_page(measures: FrozenDict[str, NerveMeasure]) -> FrozenDict[str, NerveMeasure]:
+    """Measures in the units of pages."""
+    made = {}
+    for name, m in measures.items():
+        unit, factor = on_page(m.unit)
+        value = None if m.value is None else factor * m.value
+        ends = (factor * m.ci95[0], factor * m.ci95[1])
+        made[name] = replace(m, value=value, unit=unit, ci95=ends)
+    return FrozenDict(made)
+
+
+def _stiffness(value: float) -> str:
+    """A stiffness [Nm/rad] as pages have it."""
+    return significant(on_page("Nm/rad")[1] * value, 3)
+
+
 def _section(
     title: str, measures: FrozenDict[str, NerveMeasure], _: Words, *more: block.Block
 ) -> block.Section:
     heads = (_("Measure"), _("Value"), _("95 % interval"), _("Unit"), _("Verdict"), _("Note"))
     cells = []
-    for name, value, ci, unit, verdict, note in measure_rows(measures):
+    for name, value, ci, unit, verdict, note in measure_rows(_on_page(measures)):
         badge = block.Cell(badge=(f"verdict {verdict}", _(verdict)))
         span = _.number(ci.replace(" to ", " … "))
         cells.append((_(_NAMES[name]), _.number(value), span, unit, badge, _(note)))
@@ -217,9 +235,9 @@ def _recording(
         _.number(percentage(v))
         for v in (r.vaf_held_out, r.vaf_held_out_intrinsic, r.vaf_held_out_other)
     )
-    parts = "; ".join(_.number(significant(value, 3)) for _t, value, _s in r.stationarity.parts)
+    parts = "; ".join(_.number(_stiffness(value)) for _t, value, _s in r.stationarity.parts)
     halves = "; ".join(
-        f"{_.number(significant(value, 3))} ({_.span(significant(low, 3), significant(high, 3))})"
+        f"{_.number(_stiffness(value))} ({_.span(_stiffness(low), _stiffness(high))})"
         for value, low, high in r.stationarity.halves
     )
     steady = _("It is steady.")
@@ -236,7 +254,7 @@ def _recording(
     structures = []
     for label, (value, low, high) in r.structures.items():
         ends = (low, high) if low < high else (nan, nan)  # some tell a value alone
-        structures.append((_(label), *(_.number(significant(x, 3)) for x in (value, *ends))))
+        structures.append((_(label), *(_.number(_stiffness(x)) for x in (value, *ends))))
     return _section(
         name,
         r.measures,
@@ -253,7 +271,7 @@ def _recording(
         ),
         block.Text(
             _(
-                "Stiffness of the halves [Nm/rad]: {halves}; of every 10 s: {parts}.",
+                "Stiffness of the halves [Nm/°]: {halves}; of every 10 s: {parts}.",
                 halves=halves,
                 parts=parts,
             )
@@ -263,7 +281,7 @@ def _recording(
         *(block.Text(_(note), "note") for note in r.notes),
         block.Grid(
             _("Stiffness by structure"),
-            block.columns(_("Structure"), "Nm/rad", _("from"), _("to"), numbers=(1, 2, 3)),
+            block.columns(_("Structure"), "Nm/°", _("from"), _("to"), numbers=(1, 2, 3)),
             block.rows(structures),
             titled=True,
         ),

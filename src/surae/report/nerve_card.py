@@ -30,8 +30,14 @@ class _Fast:
     heard: bool  #: Whether EMG says so.
 
 
-def nerve_card(nerve: Nerve, _: Words) -> tuple[tuple[block.Block, ...], dict[str, Figure]]:
-    """The answer, and its figures by name."""
+def nerve_card(nerve: Nerve | None, _: Words) -> tuple[tuple[block.Block, ...], dict[str, Figure]]:
+    """The answer, and its figures by name; how to measure it where it was not."""
+    if nerve is None:
+        how = _(
+            "Stretch the relaxed ankle five times slowly and five times fast, with EMG of the "
+            "calf: 2 min."
+        )
+        return (block.Text("", "say", _("Not measured")), block.Text(how)), {}
     said = list[tuple[str, str]]()
     blocks = list[block.Block]()
     figures = dict[str, Figure]()
@@ -79,6 +85,20 @@ def nerve_card(nerve: Nerve, _: Words) -> tuple[tuple[block.Block, ...], dict[st
     if _.language == "en":
         blocks += [block.Text(f"{problem}.", "note") for problem in nerve.problems]
     return (*lines, *blocks), figures
+
+
+def stiffness_of(nerve: Nerve | None, _: Words) -> tuple[block.Block, ...]:
+    """Stiffness against small movements, where that alone was measured; empty where it was not."""
+    stiff = None if nerve is None else nerve.stiffness
+    if stiff is None or stiff.value is None:
+        return ()
+    value, low, high = (_short(float(np.deg2rad(v)), _) for v in (stiff.value, *stiff.ci95))
+    text = _(
+        "against small random movements, tissue and muscle together · 95 %: {span}",
+        span=_.span(low, high),
+    )
+    how = _("At rest: record one slow relaxed movement over the whole range, 30 s.")
+    return block.Text(text, "say", f"{value} Nm/°"), block.Text(how)
 
 
 def _calf(stretches: Sequence[StretchTorque]) -> list[StretchTorque]:

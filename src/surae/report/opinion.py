@@ -2,14 +2,25 @@
 
 from collections.abc import Iterator, Sequence
 from datetime import datetime
+from typing import TypeAlias
 
 from surae.base.words import N_
+from surae.exchange.against_recording import AgainstRecording
 from surae.exchange.foreign_result import ForeignResult, ForeignValue
-from surae.exchange.opinion import JudgedValue, counted, parts
+from surae.exchange.opinion import JudgedValue, counted, disputed_said, parts, recording_said
 from surae.report import block
 from surae.report.language import Words, words_in
 from surae.report.output import Report
 
+#: A result, its values, and what a recording says of them.
+Judged: TypeAlias = tuple[ForeignResult, Sequence[JudgedValue], AgainstRecording | None]
+#: What a recording says of a length.
+_TOLD = {
+    "contradicted": N_("speaks against it"),
+    "disputed": N_("speaks against it or another"),
+    "confirmed": N_("tells it"),
+    "untold": N_("does not tell it"),
+}
 #: What is said of a value, in a word or two, the gravest first.
 KINDS = {
     "contradicted": N_("against the recording"),
@@ -44,7 +55,7 @@ _SHOWN = {"m": ("mm", 1e3), "rad": ("°", 57.29577951308232), "s": ("ms", 1e3), 
 
 
 def opinion_report(
-    results: Sequence[tuple[ForeignResult, Sequence[JudgedValue]]],
+    results: Sequence[Judged],
     *,
     created: datetime,
     language: str = "en",
@@ -52,8 +63,10 @@ def opinion_report(
     """The page of what is said of some results, in a language."""
     _ = words_in(language)
     sections = [block.Section(_("In short"), tuple(_short(results, _)), "short")]
-    for place, (result, values) in enumerate(results, start=1):
-        sections += [_of_result(result, values, f"result{place}", _)]
+    for place, (result, values, told) in enumerate(results, start=1):
+        sections.append(_of_result(result, values, f"result{place}", _))
+        if told is not None:
+            sections.append(_of_recording(told, f"recording{place}", _))
     sections.append(block.Section(_("How to read it"), tuple(_reading(_)), "reading"))
     title = _("A second opinion on muscle parameters")
     document = block.Document(
@@ -68,11 +81,9 @@ def opinion_report(
     return Report(document, [])
 
 
-def _short(
-    results: Sequence[tuple[ForeignResult, Sequence[JudgedValue]]], _: Words
-) -> Iterator[block.Block]:
+def _short(results: Sequence[Judged], _: Words) -> Iterator[block.Block]:
     """How many values of each result are doubtful."""
-    for result, values in results:
+    for result, values, told in results:
         met = sum(1 for value in values if value.remarks)
         text = _(
             "{file} ({program}): of {count} values {met} are doubtful or say nothing of the leg.",
@@ -82,9 +93,13 @@ def _short(
             met=str(met),
         )
         yield block.Text(text, "say")
+        if told is not None:
+            yield block.Text(_(recording_said(told)), "say")
+            if (disputed := disputed_said(told)) is not None:
+                yield block.Text(_(disputed), "say")
     heads = block.columns(_("Result"), *(_(word) for word in KINDS.values()))
     rows = []
-    for result, values in results:
+    for result, values, _told in results:
         counts = counted(values)
         rows.append((result.path, *(str(counts.get(kind, 0)) for kind in KINDS)))
     yield block.Grid(_("Counts"), heads, block.rows(rows))
@@ -112,6 +127,35 @@ def _of_result(
         return block.Section(result.path, (block.Text(nothing), *told), anchor)
     table = block.Grid(result.path, heads, block.rows(rows))
     return block.Section(result.path, (table, *told), anchor)
+
+
+def _of_recording(told: AgainstRecording, anchor: str, _: Words) -> block.Section:
+    """What a recording says of each length."""
+    heads = block.columns(
+        _("Muscle"),
+        _("Parameter"),
+        _("Value [mm]"),
+        _("R² lost by a tenth [%]"),
+        _("Best alone [mm]"),
+        _("R² gained there [%]"),
+        _("The recording"),
+        numbers=(2, 3, 4, 5),
+    )
+    rows = []
+    verdicts = told.verdicts()
+    for each in told.told:
+        numbers = (1e3 * each.value, each.drop, 1e3 * each.better, each.gain)
+        shown = (_.number(f"{number:.3g}".replace("-", "−")) for number in numbers)
+        word = _(_TOLD[verdicts[each.muscle, each.parameter]])
+        rows.append((each.muscle, _(_NAMES[each.parameter]), *shown, word))
+    title = _("What the recording says")
+    about = _(
+        "How strong each muscle is for its EMG, the lag of its activation, foot and plate and the "
+        "torque’s zero are chosen as well as they can be; then one length is changed and all else "
+        "stays. Less than nothing lost means that another length is followed better."
+    )
+    table = block.Grid(title, heads, block.rows(rows))
+    return block.Section(title, (table, block.Text(about, "note")), anchor)
 
 
 def _row(value: JudgedValue, _: Words) -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 from datetime import datetime
 
+from surae.base.units import on_page
 from surae.base.words import JUDGEMENTS
 from surae.inference import Grade
 from surae.inference.relaxed.curve import RelaxedCurve
@@ -109,7 +110,7 @@ def _numbers(measures: Mapping[str, Measure], _: Words) -> block.Section:
             continue
         value, span = _.estimate(m.value, m.ci95)
         device = _.estimate(m.value, m.ci95_device)[1] if m.ci95_device else ""
-        unit = m.unit.replace("deg", "°")
+        unit = on_page(m.unit)[0]
         rows.append((_.measure(m.name), value, span, device, unit, _(JUDGEMENTS[m.verdict].plain)))
     table = block.Grid(_("The numbers"), heads, block.rows(rows))
     why = tuple(

@@ -14,7 +14,8 @@ from surae.report.figures import Figure
 from surae.report.figures.leg import CARD_WIDTH
 from surae.report.figures.relaxed import relaxed_figure
 from surae.report.language import Words
-from surae.report.leg_cards import is_known, norm_lines
+from surae.report.leg_cards import is_known
+from surae.report.normal import beside
 
 #: What leads: as a device would measure it, and what is least touched by how tissue relaxes.
 _LEADS = "slow_stiffness"
@@ -51,7 +52,10 @@ def rest_card(
     where = _(
         "at {angle}°, slowly stretched, measured at rest · 95 %: {span}", angle=angle, span=span
     )
-    lines: list[block.Block] = [block.Text(where, "say", f"{value} Nm/°")]
+    very = [norm for norm in known if norm.measure == m.name]
+    others = [norm for norm in known if norm not in very]
+    number = block.Text(where, "say", f"{value} Nm/°")
+    lines: list[block.Block] = [beside(number, of_fit, [*very, *others], _)]
     if m.ci95_device is not None:
         _value, device = _.estimate(m.value, m.ci95_device)
         text = _("At this angle as the device shows it: {span}.", span=device)
@@ -62,10 +66,6 @@ def rest_card(
     elif of_fit.adequacy.grade is not Grade.ADEQUATE:
         text = _("No muscle is in this number: doubts about the fit do not touch it.")
         lines.append(block.Text(text, "note"))
-    very = [norm for norm in known if norm.measure == m.name]
-    lines += norm_lines(of_fit, very, _) or [
-        block.Text(_("No group was measured at this very number."), "note")
-    ]
     picture = block.Picture(
         "stiffness",
         _("Torque of the relaxed ankle over its angle"),

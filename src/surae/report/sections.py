@@ -7,7 +7,7 @@ from surae.base.formatting import NO_NUMBER, percentage, significant
 from surae.base.normal import NORMAL
 from surae.inference import AssessedFit, Assessment, FitResult, Prediction, Verdict, pooled
 from surae.inference.identifiability.identified import Direction, Identified, identifiability
-from surae.inference.judging.assessment import described, variance_inflation
+from surae.inference.judging.assessed import described, variance_inflation
 from surae.inference.judging.verdict import IDENTIFIED
 from surae.model.joint import ANKLE, Joint
 from surae.report import block

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from datetime import datetime
 
 from surae.base.formatting import percentage
+from surae.base.units import on_page
 from surae.base.words import JUDGEMENTS
 from surae.inference import AssessedFit
 from surae.measures import Measure, Measures
@@ -19,7 +20,7 @@ from surae.report.figures.trials import trials_figure
 from surae.report.laboratory import known_section
 from surae.report.language import MEASURES, Words, words_in
 from surae.report.leg import LegAnswers, leg_answers
-from surae.report.leg_cards import is_known, titled
+from surae.report.leg_cards import is_known, on_page_of, titled
 from surae.report.output import Report
 from surae.report.parameters import parameters_section
 from surae.report.recordings import film_block
@@ -36,12 +37,20 @@ def answers_in(document: block.Document) -> tuple[tuple[str, str], ...]:
     lines = []
     for card in page.blocks:
         assert isinstance(card, block.Section)
-        for said in card.blocks:
+        answer = []
+        for said in _every(card.blocks):
             if isinstance(said, block.AdequacyWords):
-                lines.append((card.title, said.sentence))
+                answer.append(said.sentence)
             elif isinstance(said, block.Text) and said.look == "say":
-                lines.append((card.title, f"{said.lead} {said.text}".strip()))
+                answer.append(f"{said.lead} {said.text}".strip())
+        lines.append((card.title, "; ".join(answer)))
     return tuple(lines)
+
+
+def _every(blocks: Iterable[block.Block]) -> Iterator[block.Block]:
+    """Blocks, those that stand beside each other too."""
+    for each in blocks:
+        yield from _every(each.blocks) if isinstance(each, block.Section) else (each,)
 
 
 def session_report(
@@ -171,12 +180,15 @@ def _in_words(of_fit: Measures, at: float, _: Words) -> block.Section:
     ]
     chosen.sort(key=lambda m: order.index(m.name.partition("@")[0]))
     rows = (
-        (titled(m, _), *_.estimate(m.value or 0.0, m.ci95), _(JUDGEMENTS[m.verdict].plain))
-        for m in chosen
+        (titled(m, _), *_.estimate(*on_page_of(m)), _(JUDGEMENTS[m.verdict].plain)) for m in chosen
     )
     heads = block.columns("", _("Value"), "95 %", _("Judgement"), numbers=(1, 2), wide=(0,))
     table = block.Grid(_("The numbers"), heads, block.rows(rows))
-    return block.Section(_("The numbers"), (table,), "measures")
+    words = _(
+        "Identified: the 95 % interval is within 10 % of the value, of an angle within 2°. Weak: "
+        "it is wider; the estimate is weak, not the leg."
+    )
+    return block.Section(_("The numbers"), (table, block.Text(words, "note")), "measures")
 
 
 def _other_measures(of_fit: Measures) -> block.Section:
@@ -186,8 +198,8 @@ def _other_measures(of_fit: Measures) -> block.Section:
     rows: Iterator[block.Row] = (
         (
             block.Cell(m.name, kind="code", meaning=m.meaning),
-            *_.estimate(m.value or 0.0, m.ci95),
-            "" if m.unit == "-" else m.unit,
+            *_.estimate(*on_page_of(m)),
+            on_page(m.unit)[0],
             _(JUDGEMENTS[m.verdict].plain),
         )
         for m in every

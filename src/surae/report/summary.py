@@ -14,7 +14,7 @@ from surae.base.formatting import (
 from surae.base.tables import TextTable
 from surae.base.words import Message
 from surae.inference import AssessedFit, Assessment
-from surae.inference.judging.assessment import outdated
+from surae.inference.judging.assessed import outdated
 from surae.inference.judging.parameter import ParameterEstimate
 from surae.measures.compute import judged_measures
 from surae.measures.points import points
@@ -120,17 +120,33 @@ def _notes(assessment: Assessment) -> list[str]:
     """Why parameters are not identified and what to do, one line for each reason."""
     reasons: dict[str, list[str]] = {}
     rests: dict[str, list[str]] = {}
+    advised: dict[str, list[str]] = {}
     for p in assessment.parameters.values():
         if p.verdict in ("weak", "undetermined", "at-bound"):
             why = _RESTS.get(p.note.code) if isinstance(p.note, Message) else None
             if why is not None and isinstance(p.note, Message):
                 low, high = (p.note.values[end] for end in ("low", "high"))
                 rests.setdefault(why, []).append(f"{p.name} {low} to {high} %")
+            elif (parted := _advised(p.note)) is not None:
+                advice, known = parted
+                advised.setdefault(advice, []).append(f"{p.name} {known}")
             else:
                 reasons.setdefault(p.note, []).append(p.name)
     lines = [f"{', '.join(names)}: {note}" for note, names in reasons.items()]
+    lines += [f"{', '.join(known)}: {advice}" for advice, known in advised.items()]
     lines += [f"{why}: {', '.join(spans)}" for why, spans in rests.items()]
     return ["Not identified:", *lines] if lines else []
+
+
+def _advised(note: str) -> tuple[str, str] | None:
+    """What to do and what is known, of a note that says both: several may ask for the same."""
+    if not isinstance(note, Message):
+        return None
+    if note.code == "note/advised":
+        return str(note.values["advice"]), str(note.values["known"])
+    if note.code == "note/narrowed" and (inner := _advised(note.values["known"])) is not None:
+        return inner[0], f"{inner[1]} (then about ±{note.values['percent']})"
+    return None
 
 
 def _helps(fit: AssessedFit) -> list[str]:

@@ -115,7 +115,10 @@ def crossed_section(
         "R² [%] with which the parameters of a row’s trial predict the torque of a column’s; below "
         "it the mean of measured minus predicted torque. The zero of the sensor is that of the "
         "row’s trial, so a drifted zero shows as bias. Adequate: as well as the fit promises; "
-        "doubtful, inadequate: less, or far less."
+        "doubtful, inadequate: less, or far less. Without a model: the better of the mean of the "
+        "row’s trials at the same phase and of a ridge regression on angle, speed and EMG; where "
+        "that is as good as the model’s own share of the variance (VAF), that a torque is "
+        "predicted is no evidence of the parameters."
     )
     moving = [trial.name for trial in trials if trial.moves and not trial.problem]
     heads = block.columns(
@@ -139,7 +142,12 @@ def _cell(crossed: Crossed | None) -> block.Cell:
         return block.Cell(NO_NUMBER, "" if crossed is None else crossed.reason)
     bias = NO_NUMBER if crossed.bias is None else signed(crossed.bias, 1)
     text = NO_NUMBER if crossed.r2 is None else percentage(crossed.r2)
-    under = ", ".join(filter(None, (crossed.grade, f"bias {bias} Nm")))
+    known = [share for share in (crossed.template_vaf, crossed.ridge_vaf) if share is not None]
+    without = ""
+    if known and crossed.vaf is not None:
+        own, other = percentage(crossed.vaf), percentage(max(known))
+        without = f"VAF {own} %, without a model {other} %"
+    under = ", ".join(filter(None, (crossed.grade, f"bias {bias} Nm", without)))
     return block.Cell(text, under, "own" if crossed.fitted else crossed.grade)
 
 

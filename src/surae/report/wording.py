@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 from surae.base.formatting import percentage
 from surae.inference import AssessedFit, Assessment, Interval
-from surae.inference.judging.adequacy import Adequacy, Grade
-from surae.inference.judging.assessment import outdated
+from surae.inference.judging.assessed import outdated
+from surae.inference.judging.grade import Adequacy, Grade
 from surae.quality import Quality
 from surae.report import block
 from surae.report.provenance import emphasis_text

@@ -16,7 +16,7 @@ from surae.base.tables import Tabular, TextTable
 from surae.base.threads import cores, one_blas_thread
 from surae.base.versions import versions
 from surae.inference import FitResult
-from surae.inference.judging.assessment import described
+from surae.inference.judging.assessed import described
 from surae.sampling.conditional import surface_of
 from surae.sampling.one_profile import ParameterProfile, check_profiled, profile, profiled
 

@@ -23,7 +23,7 @@ from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
 from surae.base.versions import versions
 from surae.inference import FitResult, LeastSquares
-from surae.inference.judging.assessment import described
+from surae.inference.judging.assessed import described
 from surae.inference.uncertainty.arms_and_paths import ArmsAndPaths, arms_and_paths
 from surae.inference.uncertainty.covariance import Covariance, covariance, half_width
 from surae.model.prior import Prior

@@ -28,7 +28,7 @@ class ProfileSettings(Request):
         None,
         "Divides Δχ², of all or of each parameter. By default what the assessment asks for: "
         "each parameter's own (sem_robust/sem)² where its interval is robust, as for a residual "
-        "that is correlated over time, and 1 otherwise; see `surae.inference.judging.assessment`.",
+        "that is correlated over time, and 1 otherwise; see `surae.inference.judging.assessed`.",
         above=0.0,
         metavar="F",
         help=_INFLATION,
@@ -75,7 +75,7 @@ class PosteriorSettings(Request):
         None,
         "Divides the weight of the data. By default what the assessment asks for: the median "
         "over the parameters of (sem_robust/sem)² where intervals are robust, as for a residual "
-        "that is correlated over time, and 1 otherwise; see `surae.inference.judging.assessment`. "
+        "that is correlated over time, and 1 otherwise; see `surae.inference.judging.assessed`. "
         "One number, since the likelihood has one noise: parameters for which the correlation "
         "matters more than for most get too narrow an interval, which their profile or "
         "`ci95` does not.",

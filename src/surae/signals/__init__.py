@@ -2,10 +2,10 @@
 
 from surae.signals.filters import one_pass
 from surae.signals.inputs import (
-    Effort,
     EmgReference,
     Film,
     ModelInputs,
+    SmoothEffort,
     check_estimable,
     inputs_as_given,
     same_signals,
@@ -28,11 +28,11 @@ from surae.signals.settings import Preparation
 from surae.signals.weighting import Weighting, settled, weighted
 
 __all__ = [
-    "Effort",
     "EmgReference",
     "Film",
     "ModelInputs",
     "Preparation",
+    "SmoothEffort",
     "Weighting",
     "check_estimable",
     "emg_levels",

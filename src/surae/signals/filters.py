@@ -92,6 +92,11 @@ def one_pass(kind: Kind, rate_hz: float, cutoff_hz: float, order: int) -> FloatA
 
     What runs while samples come has no second pass back: two passes forward have the same gain, and
     a delay.
+
+    Raises
+    ------
+    InputError
+        The cut-off is too high for the rate.
     """
     if cutoff_hz >= HIGHEST_CUTOFF * rate_hz:
         raise InputError(

@@ -38,7 +38,7 @@ class Film(Comparable):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Effort(Comparable):
+class SmoothEffort(Comparable):
     """EMG envelopes as smooth as effort is, and how fast both change; arrays (4, n), read-only.
 
     Where a recording has none, they are made of it by filters that look ahead.
@@ -94,7 +94,17 @@ class ModelInputs(Comparable):
     #: How far its EMG may be too small for the rate of the raw EMG, see `lost_to_rate`.
     emg_lost: float = 0.0
     #: Its effort as a causal filter knows it; None: by `smooth_effort`, which looks ahead.
-    effort: Effort | None = None
+    effort: SmoothEffort | None = None
+
+    def columns(self) -> dict[str, FloatArray]:
+        """The signals under the names that our CSV gives them, time first."""
+        named = {"time_s": self.time, "angle_rad": self.angle}
+        if self.torque is not None:
+            named["torque_Nm"] = self.torque
+        for index, muscle in enumerate(MUSCLES):
+            if muscle not in self.missing_emg:
+                named[f"emg_{muscle}_{self.emg_unit}"] = self.emg[:, index]
+        return named
 
     def __post_init__(self) -> None:
         """Make the mapping read-only; the arrays are made so by whoever prepares them."""

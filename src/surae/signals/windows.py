@@ -66,11 +66,16 @@ def thinned(
         if isinstance(each, Recording) and "angle" in each.channels:
             time = each.channels["angle"].time
             if time[-1] - time[0] > longest:
-                begins = _begins(each, count, seconds)
-                made += (_window(each, begin, begin + seconds) for begin in begins)
+                made += liveliest(each, count, seconds)
                 continue
         made.append(each)
     return tuple(made)
+
+
+def liveliest(recording: Recording, count: int, seconds: float) -> list[Recording]:
+    """Of each of `count` equal parts the window [s] in which the angle and the EMG vary most."""
+    begins = _begins(recording, count, seconds)
+    return [_window(recording, begin, begin + seconds) for begin in begins]
 
 
 def _window(recording: Recording, begin: float, end: float) -> Recording:

@@ -210,6 +210,7 @@ def trial_files(
         files += _in_folder(path, description, aside) if path.is_dir() else [path]
     if not files:
         raise InputError(f"{', '.join(map(shown, paths))}: no recording is there")
+    _refuse_several(paths, files)
     called = list(zip(trial_names(files), files, strict=True))
     if description is not None and description.patterns:
         # Any file of a trial stands for it, and a trial in parts has several.
@@ -228,6 +229,31 @@ def trial_files(
     # Those that begin with a number come first.
     order = sorted(trials, key=lambda name: (not name[:1].isdigit(), natural_order(name)))
     return {name: trials[name] for name in order}
+
+
+#: What BIDS calls the parts of a data set that are not of one visit of one person, in paths.
+_BIDS = {"sub": "persons", "ses": "visits"}
+
+
+def _refuse_several(given: Sequence[Path], files: Sequence[Path]) -> None:
+    """Refuse a data set of several persons or visits: a session is one leg's, of one visit."""
+    for entity, what in _BIDS.items():
+        labels: dict[str, Path] = {}
+        for path in files:
+            of = [
+                match[1]
+                for part in (*path.parent.parts, path.name)
+                if (match := re.match(rf"(?:.*_)?({entity}-[A-Za-z0-9]+)(?:_|$)", part))
+            ]
+            if of:
+                labels.setdefault(of[-1], path)
+        if len(labels) > 1:
+            few = ", ".join(sorted(labels)[:4])
+            raise InputError(
+                f"{', '.join(map(shown, given))}: recordings of {len(labels)} {what} ({few}"
+                f"{', …' if len(labels) > 4 else ''}); a session is one leg in one visit: give "
+                f"the folder of one of them, such as {shown(next(iter(labels.values())).parent)}"
+            )
 
 
 def _in_folder(

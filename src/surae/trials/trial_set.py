@@ -86,6 +86,16 @@ class TrialSet:
         """The trials that could be read and have a torque."""
         return tuple(trial for trial in self.trials if not trial.problem)
 
+    @property
+    def same_layout(self) -> Mapping[str, tuple[str, ...]]:
+        """Trials that the mapping of another file beside them read, by that mapping's path."""
+        made: dict[str, tuple[str, ...]] = {}
+        for trial in self.trials:
+            files = () if trial.recording is None else trial.recording.files
+            if self.mapping is None and len(files) > 1 and files[-1].path.endswith(".toml"):
+                made[files[-1].path] = (*made.get(files[-1].path, ()), trial.name)
+        return made
+
     def emg_reference(self, settings: FitSettings | None = None) -> EmgReference | None:
         """What EMG is divided by: one number for each muscle, of all trials of the session.
 
@@ -217,3 +227,7 @@ class Crossed:
     #: the fit, or its torque hardly changes.
     grade: str = ""
     reason: str = ""  #: Why there is no prediction; empty where there is one.
+    #: `template_vaf`, `ridge_vaf`: what the fit's trials predict of it without a model [%]: their
+    #: mean at the same phase, and a ridge regression; None where it was in the fit, or none is.
+    template_vaf: float | None = None
+    ridge_vaf: float | None = None

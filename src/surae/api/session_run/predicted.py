@@ -7,7 +7,7 @@ import numpy as np
 from surae.api.fitted import Fit
 from surae.base.errors import ComputationError, InputError
 from surae.base.packed import finite
-from surae.inference import Grade
+from surae.inference import Grade, Prediction
 from surae.inference.diagnosis import STILL
 from surae.inference.judging.goodness import centred_r2, counted, vaf
 from surae.inference.judging.validation import covered, predict_others
@@ -35,7 +35,7 @@ def _crossed(fit: Fit, parts: Sequence[ModelInputs], fitted: bool) -> Crossed:
     """How a fit follows a trial, all parts of it together; one of its own as it was fitted."""
     moves = any(float(np.ptp(part.angle)) >= STILL for part in parts)
     grade = ""
-    covers = None
+    covers = template = ridge = None
     if fitted:
         pairs = list(zip(fit.result.problem.inputs, fit.result.residuals, strict=True))
         errors = [
@@ -49,6 +49,7 @@ def _crossed(fit: Fit, parts: Sequence[ModelInputs], fitted: bool) -> Crossed:
             return Crossed(reason=str(error))
         errors = [each.errors for each in predictions]
         covers = finite(covered(predictions))
+        template, ridge = (_together(predictions, name) for name in ("template", "ridge"))
         grades = [str(each.adequacy.grade) for each in predictions if each.adequacy]
         grade = max(grades, key=[str(each) for each in Grade].index, default="") if moves else ""
     measured, e = (np.concatenate(each) for each in zip(*errors, strict=True))
@@ -60,4 +61,14 @@ def _crossed(fit: Fit, parts: Sequence[ModelInputs], fitted: bool) -> Crossed:
         covers=covers,
         fitted=fitted,
         grade=grade,
+        template_vaf=template,
+        ridge_vaf=ridge,
     )
+
+
+def _together(predictions: Sequence[Prediction], name: str) -> float | None:
+    """What is predicted without a model of all parts of a trial [%]; None where it misses one."""
+    shares = [getattr(each.baselines, name) for each in predictions]
+    if any(share is None for share in shares):
+        return None
+    return finite(float(np.average(shares, weights=[len(p.errors[1]) for p in predictions])))

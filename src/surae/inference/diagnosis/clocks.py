@@ -68,6 +68,11 @@ class Estimated:
     rate_sem: float  #: Standard error of the rate [s/s].
     seen: float  #: Part of the torque's changes that the growth makes, and nothing else here can.
 
+    @property
+    def lag_ci95(self) -> tuple[float, float]:
+        """The 95 % confidence interval of the lag [s]."""
+        return self.lag - _Z95 * self.lag_sem, self.lag + _Z95 * self.lag_sem
+
 
 @dataclass(frozen=True, slots=True)
 class ClockDrift:

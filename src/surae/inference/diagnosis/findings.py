@@ -5,10 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from surae.base.words import Message
 from surae.inference.diagnosis.angle import wrong_angle
-from surae.inference.diagnosis.clocks import clock_drift, clock_finding
+from surae.inference.diagnosis.clocks import clock_drift, clock_finding, estimated_clock
 from surae.inference.diagnosis.competing import GOOD_ENOUGH, Rivals, best_of, rivals, signs
 from surae.inference.diagnosis.explanations import EVIDENCE, EXPLAINS, evidence
+from surae.inference.diagnosis.long import examined_in_windows, is_long
+from surae.inference.diagnosis.moving import moved
 from surae.inference.diagnosis.quick import QuickFit, percent, quick_fit
 from surae.inference.diagnosis.units import wrong_units
 from surae.quality import Commanded, Finding, Quality, Skipped, check_recording
@@ -47,8 +50,25 @@ def examined(
     What is wrong is put right before the checks look, so that what follows from it is no finding.
     Only what a fit reads is judged. `commanded` is the motion that the device was to follow,
     `left_out` are windows (start and end [s]) that do not count. `electrodes` are what all trials
-    of the leg show of theirs; without them the trial is judged against itself.
+    of the leg show of theirs; without them the trial is judged against itself. One of hours is
+    judged in windows.
     """
+    if not is_long(recording):
+        return _examined(recording, commanded, left_out, electrodes)
+    reads, beside = used(recording, left_out)
+    quality = examined_in_windows(
+        reads, lambda window, known: _examined(window, commanded, (), known), electrodes
+    )
+    return replace(quality, findings=ordered([*beside, *quality.findings]))
+
+
+def _examined(
+    recording: Recording,
+    commanded: Commanded | None,
+    left_out: Iterable[Sequence[float]],
+    electrodes: Electrodes | None,
+) -> Quality:
+    """All findings of a trial."""
     findings, right = wrong_units(recording, electrodes)
     if electrodes is not None:
         electrodes = electrodes.in_units(recording, right)
@@ -109,7 +129,10 @@ def _by_fit(
     late = [f for f in quality.findings if f.code == "electrode-lag"]
     # a group without one of its muscles seems to change
     whole = not any(f.code == "emg-flat" and f.severity == "error" for f in quality.findings)
-    findings = [*best_of(signals, tries, late=not late and steady, slow=whole)]
+    findings = [
+        _with_interval(each, right, signals, tries)
+        for each in best_of(signals, tries, late=not late and steady, slow=whole)
+    ]
     false = [lag for lag in late if not _explains(lag, right, signals, fit)]
     false += [f for f in quality.findings if f.code == "emg-torque-lag"]
     against = [f for f in quality.findings if f.code == "torque-sign"]
@@ -126,6 +149,21 @@ def _by_fit(
         if not fit.zero * beyond >= _AGREED * beyond**2:
             false.append(constant)
     return findings, false
+
+
+def _with_interval(
+    finding: Finding, recording: Recording, signals: Signals, tries: Rivals
+) -> Finding:
+    """A lag of all electrodes with its 95 % interval, where it can be told."""
+    if finding.code != "emg-torque-lag" or tries.lag is None or tries.lag.how.fit is None:
+        return finding
+    there = moved(signals, tries.lag.seconds, 0.0)
+    beyond = estimated_clock(recording, there, tries.lag.how.fit, hinted=False)
+    if beyond is None:
+        return finding
+    ends = [1e3 * abs(tries.lag.seconds + edge) for edge in beyond.lag_ci95]
+    says = Message("found/lag", says=finding.message, low=min(ends), high=max(ends))
+    return replace(finding, message=says)
 
 
 def _together(quality: Quality, findings: list[Finding], but: tuple[str, ...] = ()) -> Quality:

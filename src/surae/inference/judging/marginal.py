@@ -18,7 +18,7 @@ from surae.base.normal import NORMAL
 from surae.base.words import Message
 from surae.inference import FitProblem
 from surae.inference.coordinates import is_straight
-from surae.inference.judging.adequacy import Adequacy, Grade
+from surae.inference.judging.grade import Adequacy, Grade
 from surae.inference.judging.parameter import (
     INADEQUATE,
     Interval,

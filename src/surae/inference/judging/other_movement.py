@@ -1,10 +1,14 @@
-"""What a family's member is worth of a movement that the fit has not seen.
+"""What a family's member is worth of a recording that the fit has not seen.
 
 Departures are chosen by what they explain of the fit's own movement: how the torque goes with speed
-and angle there. Of another movement nothing says that they go on so, and the simplest member, which
-has none, is as likely to be right. So there both are averaged, each by what it leaves of the fit's
-own torque, as linear combinations of forecasts are (Bates and Granger 1969); how far they are apart
-widens the interval.
+and angle there. Nothing says that they go on so elsewhere, and the simplest member, which has none,
+may be right. How far both are apart therefore widens the interval.
+
+A device's departures (its plate, its zeros, the foot on it) are there in the next movement too. Of
+inverse dynamics there is no device: what speed and angle explain there are also the errors of that
+movement's forces and masses. Where such a fit is not adequate and the movement is another one, both
+are averaged, each by what it leaves of the fit's own torque, as linear combinations of forecasts
+are (Bates and Granger 1969).
 
 J. M. Bates, C. W. J. Granger (1969). The combination of forecasts. Operational Research Quarterly
 20(4):451-468.
@@ -27,12 +31,13 @@ _ALIKE = 1.1
 
 
 @dataclass(frozen=True, slots=True)
-class Averaged:
-    """A torque of two members of a family."""
+class Beside:
+    """A torque beside that of the family's simplest member."""
 
-    torque: FloatArray  #: [Nm], shape (n,).
-    share: float  #: Weight of the simplest member, 0 … 1.
+    torque: FloatArray  #: What is predicted [Nm], shape (n,).
+    share: float  #: Weight of the simplest member in it, 0 … 1.
     row: FloatArray  #: By how much they are apart, as a shift of the torque [Nm], shape (n,).
+    simplest: FloatArray  #: The simplest member's torque [Nm], shape (n,).
 
 
 def moves_otherwise(others: Sequence[ModelInputs], recording: ModelInputs) -> bool:
@@ -40,15 +45,17 @@ def moves_otherwise(others: Sequence[ModelInputs], recording: ModelInputs) -> bo
 
     def scatters(of: ModelInputs) -> FloatArray:
         own = np.stack([of.angle, of.velocity])[:, of.counts]
-        return np.maximum(own.std(axis=1), 1e-6)
+        return np.asarray(np.maximum(own.std(axis=1), 1e-6))
 
     own = scatters(recording)
     apart = [np.abs(np.log(own / scatters(each))).max() for each in others]
     return bool(min(apart) > np.log(_ALIKE))
 
 
-def averaged(result: FitResult, recording: ModelInputs, torque: FloatArray) -> Averaged | None:
-    """The torque of a family's fit of another movement; None where it stays as it is.
+def beside_simplest(
+    result: FitResult, recording: ModelInputs, torque: FloatArray, *, adequate: bool
+) -> Beside | None:
+    """The torque of a family's fit beside its simplest member's; None where that is not known.
 
     Parameters
     ----------
@@ -59,17 +66,18 @@ def averaged(result: FitResult, recording: ModelInputs, torque: FloatArray) -> A
         model.
     torque : ndarray, shape (n,)
         By the fit's own parameters [Nm].
+    adequate : bool
+        Whether the fit is; else, of inverse dynamics, the two are averaged where the movement is
+        another one.
 
     Returns
     -------
-    Averaged or None
-        None of a named model, of the fit's movement, and where the simplest member has no torque.
+    Beside or None
+        None of a named model, and where the simplest member has no torque.
     """
     problem = result.problem
     known = result.posterior
     if known is None or not known.simplest or recording.effort is not None:
-        return None
-    if not moves_otherwise(problem.inputs, recording):
         return None
     spec = get_model(RIGID)
     vector = spec.vector(known.simplest, problem.options)
@@ -84,6 +92,10 @@ def averaged(result: FitResult, recording: ModelInputs, torque: FloatArray) -> A
     mine, its = (float(np.mean(np.concatenate(each) ** 2)) for each in (own, left))
     if not (np.isfinite(plain).all() and np.isfinite(its) and mine + its > 0.0):
         return None
-    share = mine / (mine + its)
+    weight = mine / (mine + its)
     apart = plain - torque
-    return Averaged(torque + share * apart, share, np.sqrt(share * (1.0 - share)) * apart)
+    shared = adequate or not problem.of_inverse_dynamics
+    if shared or not moves_otherwise(problem.inputs, recording):
+        return Beside(torque, 0.0, np.sqrt(weight) * apart, plain)
+    both = torque + weight * apart
+    return Beside(both, weight, np.sqrt(weight * (1.0 - weight)) * apart, plain)

@@ -9,11 +9,12 @@ from surae.base.errors import InputError
 from surae.base.frozen import Comparable
 from surae.base.units import FloatArray
 from surae.inference import FitResult
-from surae.inference.judging.adequacy import Adequacy, judge_prediction
+from surae.inference.judging.adequacy import judge_prediction
 from surae.inference.judging.baselines import Baselines, baselines
 from surae.inference.judging.fascicles import Fascicles, followed
 from surae.inference.judging.goodness import counted, rmse, vaf
-from surae.inference.judging.other_movement import averaged
+from surae.inference.judging.grade import Adequacy
+from surae.inference.judging.other_movement import beside_simplest
 from surae.inference.judging.predicted import TorqueDoubt, torque_doubt
 from surae.inference.uncertainty.combined import Uncertainty
 from surae.model import check_finite_torque
@@ -45,14 +46,19 @@ class Prediction(Comparable):
     #: What the fit's recordings predict of it without a model.
     baselines: Baselines = field(default_factory=Baselines)
     fascicles: tuple[Fascicles, ...] = ()  #: Filmed lengths, measured and predicted.
-    #: Part of the torque that is the simplest member's, 0 … 1: of a family's fit, where the
-    #: movement is not the fit's.
+    #: Part of the torque that is the simplest member's, 0 … 1: of a family's fit to inverse
+    #: dynamics, where the movement is not the fit's.
     simplest: float = 0.0
+    #: Variance that the simplest member accounts for, fitted to the same recordings [%]; None of a
+    #: named model.
+    simplest_vaf: float | None = None
 
     def __repr__(self) -> str:
         judged = "" if self.adequacy is None else f"{self.adequacy.grade}, "
         errors = f"RMSE {self.rmse:.3g} Nm, bias {self.bias:.3g} Nm"
-        return f"prediction of {self.name!r}: {judged}VAF {self.vaf:.2f} %, {errors}"
+        best = self.baselines.best
+        without = "" if best is None else f"; without a model {best:.2f} %"
+        return f"prediction of {self.name!r}: {judged}VAF {self.vaf:.2f} %, {errors}{without}"
 
     @property
     def covers(self) -> float | None:
@@ -93,9 +99,16 @@ def covered(predictions: Sequence[Prediction]) -> float:
 
 
 def predict_others(
-    result: FitResult, inputs: Sequence[ModelInputs], known: Uncertainty | None
+    result: FitResult,
+    inputs: Sequence[ModelInputs],
+    known: Uncertainty | None,
+    *,
+    adequate: bool = True,
 ) -> tuple[Prediction, ...]:
     """Predict recordings with the parameters of a fit to others, and judge by what is `known`.
+
+    Of another movement the torque of a family's fit to inverse dynamics that is not `adequate` is
+    averaged with that of its simplest member.
 
     A sample of weight 0 is predicted, and is in no figure; other weights change nothing.
     """
@@ -124,7 +137,7 @@ def predict_others(
         with np.errstate(over="ignore", invalid="ignore"):  # refused below
             torque = spec.simulator(recording, options).torque(vector)
         check_finite_torque(torque, recording)
-        other = averaged(result, recording, torque)
+        other = beside_simplest(result, recording, torque, adequate=adequate)
         if other is not None:
             torque = other.torque
         measured, residual = counted(recording, recording.torque - torque)
@@ -151,6 +164,9 @@ def predict_others(
                 Baselines() if known is None else baselines(problem.inputs, recording),
                 followed(spec, options, result.values, recording),
                 0.0 if other is None else other.share,
+                None
+                if other is None
+                else vaf(*counted(recording, recording.torque - other.simplest)),
             )
         )
     return tuple(predictions)

@@ -11,7 +11,7 @@ from surae.base.frozen import read_only
 from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
 from surae.base.words import Message
-from surae.inference.judging.adequacy import Grade
+from surae.inference.judging.grade import Grade
 from surae.inference.relaxed.context import UNKNOWN, Laboratory
 from surae.inference.relaxed.curve import Jump, RelaxedCurve, RestingTrial, RestSamples
 from surae.inference.relaxed.estimate import Estimate, estimated

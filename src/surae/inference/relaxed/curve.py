@@ -10,7 +10,7 @@ import numpy.typing as npt
 from surae.base.frozen import Comparable, FrozenDict
 from surae.base.records import Listed
 from surae.base.units import FloatArray
-from surae.inference.judging.adequacy import Grade
+from surae.inference.judging.grade import Grade
 from surae.inference.relaxed.basis import Basis
 from surae.inference.relaxed.regressors import TAUS, lags
 

@@ -14,7 +14,7 @@ from scipy.optimize import nnls
 from scipy.special import chdtrc
 
 from surae.base.units import FloatArray
-from surae.inference.judging.adequacy import Grade
+from surae.inference.judging.grade import Grade
 from surae.inference.problem import FitProblem
 from surae.inference.relaxed.build import curve_of
 from surae.inference.relaxed.context import Laboratory

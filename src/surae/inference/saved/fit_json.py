@@ -21,7 +21,8 @@ from surae.base.packed import bound_arrays, encode
 from surae.base.records import FORMAT, check_format, from_plain, read_json, to_plain
 from surae.base.units import FloatArray
 from surae.inference import LOSSES, FitProblem, FitResult, LeastSquares, PosteriorMode, Start
-from surae.inference.judging.assessment import AssessedFit, assess
+from surae.inference.judging.assessed import AssessedFit
+from surae.inference.judging.assessment import assess
 from surae.inference.result import Outliers, Stage
 from surae.inference.saved.checksums import check_checksums, checksums
 from surae.inference.saved.verdicts import as_judged

@@ -8,8 +8,9 @@ from surae.base.cleaning import cleaned
 from surae.base.errors import InputError
 from surae.base.frozen import FrozenDict
 from surae.base.records import from_plain
-from surae.inference.judging.adequacy import Grade, doubted
-from surae.inference.judging.assessment import Assessment
+from surae.inference.judging.adequacy import doubted
+from surae.inference.judging.assessed import Assessment
+from surae.inference.judging.grade import Grade
 from surae.inference.judging.reasons import OF_OTHER_TRIALS, Reason, against
 from surae.inference.judging.verdict import Verdict
 

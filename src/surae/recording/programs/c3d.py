@@ -24,7 +24,7 @@ import numpy as np
 from surae.base.cleaning import cleaned
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
-from surae.recording.programs.foreign import Parsed, foreign_table, optional, packed
+from surae.recording.programs.foreign import Parsed, Patience, foreign_table, optional, packed
 from surae.recording.source import Source
 from surae.recording.table import Table
 from surae.recording.untrusted import untrusted
@@ -37,6 +37,8 @@ _MIPS = 86
 _UNCOUNTED = 65535
 #: Zeros that are a frame of any file.
 _FRAME = 2**18
+#: ezc3d reads no more than the parameters: what takes it longer are dimensions that a file invents.
+_PATIENCE = Patience(2.0, 5e-8)
 #: Groups of points that are no places; their unit is in ANGLE_UNITS, FORCE_UNITS, …
 _KINDS = ("ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS")
 #: Parameters continue in others where there are more values than one holds: LABELS2, LABELS3, ...
@@ -54,7 +56,7 @@ def recognises(source: Source) -> bool:
 
 def open_table(source: Source) -> Table:
     """The channels and points; a file that contradicts itself beyond telling is refused."""
-    return foreign_table(source, "C3D", __name__)
+    return foreign_table(source, "C3D", __name__, _PATIENCE)
 
 
 def parse(data: bytes, shown: str) -> dict[str, Any]:

@@ -21,10 +21,19 @@ from surae.recording.table import Column, Table, instants, sample
 
 #: What a reader may take at most [s, bytes], and the more for every byte of the file: pyxdf reads
 #: about 3 MB/s, SciPy and edfio hold a file several times.
-_SECONDS = 10.0
 _MEMORY = 2 * 2**30
-_SECONDS_PER_BYTE = 2e-6
 _MEMORY_PER_BYTE = 20
+
+
+@dataclass(frozen=True, slots=True)
+class Patience:
+    """How long a library may take over a file, of processor time [s]."""
+
+    seconds: float = 10.0
+    per_byte: float = 2e-6
+
+
+_PATIENCE = Patience()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,7 +71,7 @@ def packed(columns: Sequence[Parsed], began: str = "") -> dict[str, Any]:
     return {"columns": plain, "times": list(times.values()), "began": began}
 
 
-def in_child(source: Source, format_name: str, module: str) -> Any:
+def in_child(source: Source, format_name: str, module: str, patience: Patience = _PATIENCE) -> Any:
     """What ``<module>:parse`` makes of a file, in a child process.
 
     A reader that crashes, or takes too long or too much memory, is an InputError too.
@@ -72,7 +81,7 @@ def in_child(source: Source, format_name: str, module: str) -> Any:
         return guarded(
             f"{module}:parse",
             {"data": source.data, "shown": source.shown},
-            seconds=_SECONDS + _SECONDS_PER_BYTE * size,
+            seconds=patience.seconds + patience.per_byte * size,
             memory=_MEMORY + _MEMORY_PER_BYTE * size,
         )
     except ComputationError as error:
@@ -82,9 +91,11 @@ def in_child(source: Source, format_name: str, module: str) -> Any:
         ) from None
 
 
-def foreign_table(source: Source, format_name: str, module: str) -> Table:
+def foreign_table(
+    source: Source, format_name: str, module: str, patience: Patience = _PATIENCE
+) -> Table:
     """The table that ``<module>:parse`` makes of a file's packed columns."""
-    plain = in_child(source, format_name, module)
+    plain = in_child(source, format_name, module, patience)
     times = [as_read_only(time) for time in plain["times"]]
     columns = [Parsed(**fields) for fields in plain["columns"]]
     by_name = {column.name: column for column in reversed(columns)}

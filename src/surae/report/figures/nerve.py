@@ -11,6 +11,9 @@ from surae.report import figures
 from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED, Figure
 from surae.report.language import Words
 
+#: A degree [rad]: torque by the radian, times this, is torque by the degree.
+_DEGREE = float(np.deg2rad(1.0))
+
 
 def tick(axes: figures.Axes, _: Words, which: str = "xy") -> None:
     """Numbers of linear axes as the reader's language writes them."""
@@ -28,12 +31,17 @@ def frequency_figure(recording: Perturbed, _: Words) -> Figure:
     top.set_ylim(0.0, 1.03)
     figures.dress(top, _("Coherence"))
     tick(top, _, "y")
-    middle.loglog(c.f, c.gain, color=GREY, linewidth=2.4, label=_("measured"))
-    middle.loglog(c.f, c.model_gain, color=BLUE, linewidth=1.1, label=_("both paths"))
+    middle.loglog(c.f, _DEGREE * c.gain, color=GREY, linewidth=2.4, label=_("measured"))
+    middle.loglog(c.f, _DEGREE * c.model_gain, color=BLUE, linewidth=1.1, label=_("both paths"))
     middle.loglog(
-        c.f, c.intrinsic_gain, color=OCHRE, linewidth=1.1, linestyle="--", label=_("tissue")
+        c.f,
+        _DEGREE * c.intrinsic_gain,
+        color=OCHRE,
+        linewidth=1.1,
+        linestyle="--",
+        label=_("tissue"),
     )
-    figures.dress(middle, _("Gain [Nm/rad]"))
+    figures.dress(middle, _("Gain [Nm/°]"))
     figures.legend(middle, 3)
     bottom.semilogx(c.f, c.phase, color=GREY, linewidth=2.4)
     bottom.semilogx(c.f, c.model_phase, color=BLUE, linewidth=1.1)
@@ -47,15 +55,21 @@ def impulse_figure(recording: Perturbed, _: Words) -> Figure:
     c = recording.curves
     figure = figures.new_figure(2.6, width=7.2)
     left, right = figure.subplots(1, 2, width_ratios=(1, 2))
-    left.plot(1e3 * c.intrinsic_lag, _smooth(c.free_intrinsic), color=GREY, linewidth=1.6)
-    figures.dress(left, _("Tissue [Nm/rad/s]"), _("Lag [ms]"))
+    left.plot(1e3 * c.intrinsic_lag, _DEGREE * _smooth(c.free_intrinsic), color=GREY, linewidth=1.6)
+    figures.dress(left, _("Tissue [Nm/°/s]"), _("Lag [ms]"))
     right.plot(
-        1e3 * c.lag, _smooth(c.free_reflex), color=GREY, linewidth=1.6, label=_("without equations")
+        1e3 * c.lag,
+        _DEGREE * _smooth(c.free_reflex),
+        color=GREY,
+        linewidth=1.6,
+        label=_("without equations"),
     )
     if recording.reflex.verdict == "present":
-        right.plot(1e3 * c.lag, c.reflex, color=RED, linewidth=1.1, label=_("its equation"))
+        right.plot(
+            1e3 * c.lag, _DEGREE * c.reflex, color=RED, linewidth=1.1, label=_("its equation")
+        )
     right.axhline(0.0, color=MUTED, linewidth=0.6)
-    figures.dress(right, _("Reflex [Nm/rad]"), _("Lag [ms]"))
+    figures.dress(right, _("Reflex [Nm/°]"), _("Lag [ms]"))
     figures.legend(right, 2)
     for axes in (left, right):
         tick(axes, _)
@@ -77,12 +91,12 @@ def effort_figure(recordings: Sequence[Perturbed], _: Words) -> Figure:
     ):
         for each in of:
             _bar(axes, float(each[at]), each[2])  # type: ignore[arg-type]
-        figures.dress(axes, _("Stiffness [Nm/rad]") if at == 0 else "", label)
+        figures.dress(axes, _("Stiffness [Nm/°]") if at == 0 else "", label)
         tick(axes, _)
     return figure
 
 
 def _bar(axes: figures.Axes, at: float, measure: NerveMeasure) -> None:
     if measure.value is not None:
-        axes.plot([at, at], measure.ci95, color=BLUE, linewidth=1.2)
-        axes.plot([at], [measure.value], marker="o", markersize=4, color=INK)
+        axes.plot([at, at], np.multiply(_DEGREE, measure.ci95), color=BLUE, linewidth=1.2)
+        axes.plot([at], [_DEGREE * measure.value], marker="o", markersize=4, color=INK)

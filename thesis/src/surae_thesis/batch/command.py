@@ -50,7 +50,6 @@ _MODELS = "1.0,2.0,2.1,2.2"
 @click.option(
     "--only",
     type=click.Choice(["spectra", "snsem"]),
-    default="",
     help="Spectra of repetitions, without a fit; or fits and snSEM, without predictions.",
 )
 @settings_options(*api.FIT_RECORDS[:-1])
@@ -74,7 +73,7 @@ def command(
     models: str,
     fixed_set: tuple[str, ...],
     name: str,
-    only: str,
+    only: str | None,
     store: str,
     output: str,
     keep: str | None,
@@ -109,7 +108,7 @@ def command(
     if only and sessions:
         raise InputError(f"--only {only} is of single recordings; leave out --sessions")
     wanted = {} if only == "spectra" else settings
-    batch = plan.Batch(found, wanted, read, place=place, sessions=sessions, only=only)
+    batch = plan.Batch(found, wanted, read, place=place, sessions=sessions, only=only or "")
     subjects, protocols = ({getattr(t, of) for t in found} for of in ("subject", "protocol"))
     fits = len(subjects if sessions else found) * len(batch.settings)
     show_line(
@@ -128,7 +127,7 @@ def command(
                 "command to go on"
             ) from None
         show_line(f"all there; {now:,} computed now in {time.perf_counter() - begin:.0f} s")
-        worked = _written(opened, Path(output), sessions=sessions, only=only)
+        worked = _written(opened, Path(output), sessions=sessions, only=only or "")
     if not worked:
         raise ComputationError("every fit failed, so the batch says nothing; the tables say why")
 

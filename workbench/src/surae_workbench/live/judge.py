@@ -259,11 +259,11 @@ def of_leg(measures: Mapping[str, "Measure"], _: "Words") -> list[str]:
     for m in known:
         assert m.value is not None
         text = of_interval(m.value, m.ci95)
-        roughly = _("roughly") + " " if str(m.verdict) == "weak" else ""
+        weak = f"; {_('weak')}" if str(m.verdict) == "weak" else ""
         unit = m.unit.replace("Nm/deg", "Nm/°").replace("deg", "°")
         sentences.append(
-            f"{_.measure(m.name)}: {roughly}{_.number(text.value)} {unit} "
-            f"(95 %: {_.number(text.interval)})."
+            f"{_.measure(m.name)}: {_.number(text.value)} {unit} "
+            f"(95 %: {_.number(text.interval)}{weak})."
         )
     unknown = [_.measure(m.name) for m in told if m not in known]
     lower = [text if _.language == "de" else text[:1].lower() + text[1:] for text in unknown]
@@ -379,9 +379,9 @@ def tells(protocol: str, fit: str | None = None) -> list[str]:
         *(
             f"{words}: {'; '.join(by[verdict])}."
             for verdict, words in (
-                ("identified", "Known afterwards"),
-                ("weak", "Roughly"),
-                ("undetermined", "Not"),
+                ("identified", "Identified afterwards"),
+                ("weak", "Weak"),
+                ("undetermined", "Undetermined"),
             )
             if verdict in by
         ),

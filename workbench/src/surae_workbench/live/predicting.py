@@ -89,6 +89,7 @@ def predict_stream(
     at = _channels(inlet.info(), predictor, name)
     sender = outlet(STREAM, "torque", ["torque", "sd"], ["Nm", "Nm"], predictor.rate_hz, STREAM)
     offset = float(inlet.time_correction(timeout=_PATIENCE_S))
+    inlet.open_stream(timeout=_PATIENCE_S)  # else the first samples wait for it
     predictor.reset()
     if ready is not None:
         ready()

@@ -71,6 +71,7 @@ class Leg(Answer):
     side: str | None
     visit: str  #: Its day.
     before: str | None = None  #: The visit it is compared with.
+    question: str | None = None  #: What it was asked for before it was analysed.
     recordings: list[str]
     trials: int
     grade: str | None

@@ -6,7 +6,6 @@ kept in memory, and read again where they are written: nobody else writes. Sessi
 the file from outside keeps nobody from looking.
 """
 
-import json
 import secrets
 import sqlite3
 import threading
@@ -30,7 +29,7 @@ from surae.base.errors import ComputationError
 from surae.base.files import shown
 from surae.processes import NO_ROOM
 from surae_workbench.web.http_errors import RefusedError
-from surae_workbench.web.rows import KINDS, Entry, entry
+from surae_workbench.web.rows import KINDS, Entry, entry, sealed
 
 #: Jobs that wait or are at work.
 ACTIVE = ("queued", "running")
@@ -105,6 +104,8 @@ class Database:
             self._reading = self._writing  # there is one connection
         else:
             self._open(path)
+        own = self.row("SELECT id FROM thing WHERE kind = 'project'")
+        self._project = "" if own is None else str(own[0])
         for row in self.rows(f"{_COLUMNS} ORDER BY created, id"):
             self._keep(*row)
 
@@ -174,8 +175,11 @@ class Database:
     def add(self, kind: str, data: Mapping[str, Any], id_: str | None = None) -> str:
         """Keep a new entry; its id."""
         key = id_ or new_id()
-        row = (key, kind, time.time(), json.dumps(data, allow_nan=False))
-        self.change(kind, key, "INSERT INTO thing VALUES (?, ?, ?, 0, ?)", *row)
+        if kind == "project":
+            self._project = key
+        now = time.time()
+        text = sealed(self._project, kind, key, now, dict(data))
+        self.change(kind, key, "INSERT INTO thing VALUES (?, ?, ?, 0, ?)", key, kind, now, text)
         return key
 
     def get(self, kind: str, id_: str, *, deleted: bool = False) -> Entry | None:
@@ -216,7 +220,8 @@ class Database:
             if before is None:
                 return None
             content = {k: v for k, v in before.items() if k not in ("id", "created")}
-            text = json.dumps({**content, **changes}, allow_nan=False)
+            created = before["created"]
+            text = sealed(self._project, kind, id_, created, {**content, **changes})
             query = "UPDATE thing SET data = ? WHERE id = ? AND kind = ?"
             self.change(kind, id_, query, text, id_, kind)
             return self.get(kind, id_, deleted=True)
@@ -246,7 +251,7 @@ class Database:
         whole = None
         problem = ""
         try:
-            whole = entry(kind, id_, created, text)
+            whole = entry(kind, id_, created, text, self._project)
         except ValueError as error:
             problem = str(error)
         self._kept.setdefault(kind, {})[id_] = _Kept(deleted != 0, whole, problem)

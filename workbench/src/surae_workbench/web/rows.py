@@ -3,6 +3,7 @@
 A row that is not as it should be is shown as damaged; all others are as they were.
 """
 
+import hashlib
 import json
 import math
 import re
@@ -22,6 +23,9 @@ ID = re.compile(r"[0-9a-f]{16}")
 _LONGEST = 16 * 2**20
 #: Until the year 9999 [s].
 _LAST = 253_402_300_799
+
+#: What a row's own checksum is called in it.
+SEAL = "row_sha256"
 
 _Id = Annotated[str, Field(pattern=r"^[0-9a-f]{16}$")]
 _Time = Annotated[float, Field(ge=0, le=_LAST)]
@@ -130,6 +134,7 @@ class _Session(_Row):
     content: _SessionContent
     settings: dict[str, Any]
     before: _Id | None = None
+    question: str | None = None
 
 
 class _Study(_Row):
@@ -176,8 +181,25 @@ KINDS: dict[str, type[_Row]] = {
 }
 
 
-def entry(kind: str, id_: object, created: object, text: object) -> Entry:
-    """A row as an entry.
+def sealed(project: str, kind: str, id_: str, created: float, content: Entry) -> str:
+    """The content of a row as JSON, with the checksum of all that it says and where it belongs."""
+    as_read = json.loads(json.dumps(content, allow_nan=False))  # keys that are numbers are texts
+    seal = _seal(project, kind, id_, created, as_read)
+    return json.dumps({**as_read, SEAL: seal}, allow_nan=False)
+
+
+def is_sealed(text: str) -> bool:
+    """Whether a row has a checksum: those of older versions have none."""
+    return f'"{SEAL}": "' in text
+
+
+def _seal(project: str, kind: str, id_: str, created: float, content: Entry) -> str:
+    whole = json.dumps([project, kind, id_, float(created), content], sort_keys=True)
+    return hashlib.sha256(whole.encode("utf-8", "surrogatepass")).hexdigest()
+
+
+def entry(kind: str, id_: object, created: object, text: object, project: str) -> Entry:
+    """A row as an entry of a project, which is known by its id.
 
     A ValueError says what is wrong with it, in a few words.
     """
@@ -188,6 +210,9 @@ def entry(kind: str, id_: object, created: object, text: object) -> Entry:
     content = plain(text)
     if not isinstance(content, dict):
         raise ValueError("it holds no table")
+    seal = content.pop(SEAL, None)
+    if seal is not None and seal != _seal(project, kind, id_, created, content):
+        raise ValueError("what it says is not what was kept here: edited, or another row's")
     form = KINDS.get(kind)
     if form is not None:
         try:

@@ -340,6 +340,18 @@ class FitRequest(Strict):
     name: Named | None = None
 
 
+#: What a visit may be asked for beforehand, in the order in which the page offers it.
+Question = Literal[
+    "end_stiffness",
+    "slow_stiffness",
+    "end_torque",
+    "torque_rise",
+    "range_at_torque",
+    "maximal_torque_tri",
+    "maximal_torque_tib",
+]
+
+
 class TrialsRequest(Strict):
     """Trials of one leg, and the efforts that their signals do not tell."""
 
@@ -348,9 +360,14 @@ class TrialsRequest(Strict):
 
 
 class SessionRequest(TrialsRequest):
-    """A session to fit: each trial, and all together; as the session's draft asks."""
+    """A session to fit: each trial, and all together; as the session's draft asks.
+
+    The question is what this visit shall answer beside an earlier one, a measure's name: it counts
+    in full, as it was asked before anybody saw the visit.
+    """
 
     name: Named | None = None
+    question: Question | None = None
 
 
 class LegPatch(Strict):

@@ -88,11 +88,21 @@ def session(task: Task) -> dict[str, Any]:
 
     first = {_: api.first_answer(leg.trials, api.words_in(_)) for _ in LANGUAGES}
 
+    lines: list[dict[str, Any]] = []
+    begun = last = time.monotonic()
+
     def progress(step: "api.Step") -> None:
-        tell({"what": step.what, "done": step.done, "total": step.total, "first": first})
+        nonlocal last
+        if step.outcome:  # what ended, with what came of it and how long it took
+            now = time.monotonic()
+            lines.append({"what": step.what, "outcome": step.outcome, "seconds": now - last})
+            last = now
+        news = {"what": step.what, "done": step.done, "total": step.total, "left_s": step.left_s}
+        tell({**news, "first": first, "lines": lines})
 
     with _compiling():
         result = leg.run(None, settings, progress=progress, workers=None)
+    lines.append({"what": "fits", "outcome": "", "seconds": time.monotonic() - begun})
     fits = {**result.fits, **({} if result.joint is None else {"joint": result.joint})}
     for name, fitted in fits.items():
         fitted.save(_file(task, "fit", task["fits"][name]))
@@ -270,7 +280,15 @@ def change(comparison: str, language: str) -> str:
 def _compared(comparison: str, language: str) -> dict[str, Any]:
     asked = json.loads(comparison)
     visits = [(name, date.fromisoformat(day), *rest) for name, day, *rest in asked["visits"]]
-    return api.visits_blocks(visits, asked["before"], asked["after"], language)
+    pair = asked["before"], asked["after"]
+    try:
+        return api.visits_blocks(visits, *pair, language, asked.get("question", ()))
+    except InputError as error:  # these visits have no such measure: what they have is shown
+        if not asked.get("question"):
+            raise
+        made = api.visits_blocks(visits, *pair, language)
+        note = {"kind": "paragraph", "text": str(error), "look": "note"}
+        return {**made, "blocks": [note, *made["blocks"]]}
 
 
 def nerve(recordings: Mapping[str, str], by: str, language: str, output: str = "") -> str:

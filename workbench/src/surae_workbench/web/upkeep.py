@@ -22,7 +22,7 @@ from surae_workbench.web.places import (
     refuse_foreign,
     uploads_of,
 )
-from surae_workbench.web.rows import KINDS, Entry, entry
+from surae_workbench.web.rows import KINDS, Entry, entry, is_sealed
 
 #: What the database of a copy is called until the copy is whole.
 _UNFINISHED = f"{DATABASE}.unfinished"
@@ -126,6 +126,7 @@ def _checked(root: Path, file: sqlite3.Connection, progress: Progress | None) ->
     whole = 0
     with sqlite_errors(DATABASE, FORMAT):
         rows = file.execute("SELECT kind, id, created, data, deleted FROM thing").fetchall()
+    own = next((str(id_) for kind, id_, *_ in rows if kind == "project"), "")
     for number, (kind, id_, created, text, deleted) in enumerate(rows):
         if progress is not None:
             progress(number, len(rows))
@@ -133,10 +134,11 @@ def _checked(root: Path, file: sqlite3.Connection, progress: Progress | None) ->
             continue
         name = f"{kind} {shown(str(id_))[:40]}"
         try:
-            paths = list(_paths(root, kind, entry(kind, id_, created, text)))
+            paths = list(_paths(root, kind, entry(kind, id_, created, text, own)))
         except (ValueError, SuraeError) as error:
             problems.append(f"{name} is damaged: {error}")
             continue
+        unsealed += [] if is_sealed(text) else [f"what {name} says"]
         for path, digest in paths:
             place = path.relative_to(root)
             if not path.is_file():

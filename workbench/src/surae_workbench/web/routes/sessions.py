@@ -70,6 +70,7 @@ def post_session(request: Request, body: SessionRequest, bench: Bench, browser: 
         "names": {row["id"]: row["name"] for row in rows},
         "efforts": {id_: effort for id_, effort in body.efforts.items() if id_ in chosen},
         "versions": versions_of(bench, draft),
+        "question": body.question,
         "fits": {name: new_id() for name in (*(row["name"] for row in rows), "joint")},
     }
     return bench.jobs.submit("session", called, browser, task, chosen[0])
@@ -208,6 +209,7 @@ def comparison(bench: Workbench, row: Entry) -> str:
                 )
                 for each in visits
             ],
+            "question": [row["question"]] if row.get("question") else [],
             "before": ids.index(before),
             "after": ids.index(own.id),
         }
@@ -267,6 +269,7 @@ def keep_session(bench: Workbench, job: Entry, end: Mapping[str, Any]) -> str:
         label = f"{task['name']} · {'all together' if joint else name}"
         ids[name] = add_fit(bench, task["fits"][name], label, summary, recordings, task)
     about = {"fits": ids, "content": end["content"], "settings": task["draft"]}
+    about["question"] = task.get("question")
     data = {"name": task["name"], "recordings": task["recordings"], **about}
     id_ = bench.project.add("session", data, job["id"])
     for what in ("fits", "sessions"):

@@ -89,16 +89,15 @@ export const verdictText = (verdict) => VERDICTS[verdict] ?? verdict;
 
 /** A range of values as it is shown to the eye. */
 export function shownRange(low, high, unit) {
-  const { factor, unit: text } = shownAs(unit, Math.max(Math.abs(low), Math.abs(high)));
+  const { factor, unit: text } = shownAs(unit);
   return `${number(low * factor, 3)} … ${number(high * factor, 3)} ${text}`;
 }
 
-/** How a signal is shown: factor and unit for the eye (degrees, µV or mV). */
+/** How a signal is shown: factor and unit for the eye (degrees, mV). */
 export function shownAs(unit, largest = 0) {
   if (unit === "rad") return { factor: 180 / Math.PI, unit: "°" };
   if (unit === "rad/s") return { factor: 180 / Math.PI, unit: "°/s" };
   if (unit === "rad/s2" || unit === "rad/s²") return { factor: 180 / Math.PI, unit: "°/s²" };
-  if (unit === "V" && largest < 1e-3) return { factor: 1e6, unit: "µV" };
   if (unit === "V" && largest < 1) return { factor: 1e3, unit: "mV" };
   return { factor: 1, unit: unitText(unit) };
 }

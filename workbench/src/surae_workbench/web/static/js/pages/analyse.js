@@ -9,11 +9,12 @@ import { latest } from "../core/pace.js";
 import { demoButton } from "../ui/demo.js";
 import { active, jobControls, progressText } from "../ui/jobs.js";
 import { trialList } from "../ui/trials.js";
-import { _, language } from "../core/words.js";
+import { _, language, many } from "../core/words.js";
 
 const box = { page: byId("error"), fit: byId("new-error") };
 let recordings = [];
 let people = [];
+let legs = [];
 let chosen = null;
 /** Efforts that were stated, by recording. */
 const efforts = {};
@@ -38,6 +39,7 @@ function choose({ id }, wanted) {
 // What each trial is depends on the others: EMG is judged by the session's largest.
 const sort = latest(async () => {
   byId("start").disabled = true;
+  offerQuestion();
   if (!chosen.size) return replace(byId("trials"), h("p", { class: "muted" }, _("Choose the trials of one leg.")));
   byId("trials").setAttribute("aria-busy", "true");
   const answer = await attempt(box.fit, () => post("/api/sessions/trials", request()));
@@ -65,10 +67,17 @@ function effort(one) {
   return knob;
 }
 
+/** How long it still takes, as the command line says it; nothing while nobody knows. */
+function left(time) {
+  if (time === null || time === undefined) return "";
+  return time >= 90 ? many("about {n} min left", "about {n} min left", Math.round(time / 60)) : _("about {s} s left", { s: Math.max(Math.round(time), 1) });
+}
+
 const controls = jobControls({ start: byId("start"), stop: byId("stop"), said: byId("said"), bar: byId("progress") }, box.fit, {
   progress: (report) => {
     byId("first").textContent = report.first?.[language] ?? "";
-    return report.total ? `${language === "en" ? `${report.what}: ` : ""}${_("{done} of {total} steps are done", report)}` : progressText(report, "");
+    replace(byId("ended"), (report.lines ?? []).map((one) => h("li", {}, h("strong", {}, _(one.what)), ` ${_(one.outcome)} `, h("span", { class: "muted small" }, seconds(one.seconds)))));
+    return report.total ? [`${_(report.what)}: ${_("{done} of {total} steps are done", report)}`, left(report.left_s)].filter(Boolean).join("; ") : progressText(report, "");
   },
   ended: (now) => {
     if (now.state === "done") location.href = `/sessions/${now.result}`;
@@ -78,10 +87,24 @@ const controls = jobControls({ start: byId("start"), stop: byId("stop"), said: b
   done: () => sort(),
 });
 
-byId("start").addEventListener("click", () => attempt(box.fit, async () => controls.watch(await post("/api/sessions", request()))));
+/** What can be asked beforehand, where an earlier visit of this leg was analysed. */
+const QUESTIONS = [
+  ["", _("nothing in particular: everything is explored")], ["end_stiffness", _("Is it stiffer or softer, at the end of the range?")], ["slow_stiffness", _("Is it stiffer or softer, slowly stretched?")],
+  ["end_torque", _("Does it resist more or less, at the end of the range?")], ["range_at_torque", _("Does it go further at the same torque?")],
+  ["maximal_torque_tri", _("Is the calf stronger or weaker?")], ["maximal_torque_tib", _("Is the tibialis stronger or weaker?")],
+];
+replace(byId("question"), QUESTIONS.map(([value, text]) => h("option", { value }, text)));
+function offerQuestion() {
+  const first = recordings.find((one) => chosen.has(one.id));
+  byId("question-field").hidden = !first?.subject || !legs.some((one) => one.subject === first.subject && one.side === first.side && one.visit !== (first.visit ?? ""));
+}
+byId("start").addEventListener("click", () => attempt(box.fit, async () => {
+  const question = byId("question-field").hidden ? null : byId("question").value || null;
+  controls.watch(await post("/api/sessions", { ...request(), question }));
+}));
 
 const refresh = latest(() => attempt(box.page, async () => {
-  [{ recordings }, { subjects: people }] = await Promise.all([get("/api/recordings"), get("/api/subjects")]);
+  [{ recordings }, { subjects: people }, { sessions: legs }] = await Promise.all([get("/api/recordings"), get("/api/subjects"), get("/api/sessions")]);
   const none = !recordings.length;
   byId("new").hidden = none;
   byId("empty").hidden = !none;

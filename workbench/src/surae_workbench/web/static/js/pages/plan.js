@@ -128,7 +128,7 @@ function atRest({ at_rest: rest, measures }) {
   const told = rest.end_stiffness;
   const change = measures.end_stiffness?.would_show;
   return [
-    [_("Stiffness of the relaxed leg, end of the range"), told ? `±${part(told.half_width)}` : _("not told")],
+    [_("Stiffness of the relaxed leg, end of the range"), told ? `±${part(told.half_width)}` : _("not known")],
     ...(change ? [[_("Change of it that two visits would show"), part(change)]] : []),
   ];
 }

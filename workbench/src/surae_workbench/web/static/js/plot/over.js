@@ -6,7 +6,7 @@ import { _ } from "../core/words.js";
 
 const WIDTH = 260;
 const HEIGHT = 170;
-const LEFT = 44;
+const LEFT = 56;
 const BOTTOM = 34;
 
 /** Torque [Nm] over angle [°], with both axes through zero; dorsiflexion to the right, the calf's pull up. */

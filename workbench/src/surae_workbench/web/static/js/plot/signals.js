@@ -38,21 +38,13 @@ export function signalPlots(options) {
   });
 
   function draw(window, range) {
-    // EMG is shown on one scale of units, so that the panels can be compared.
-    const largest = Math.max(...window.signals.filter((one) => EMG.includes(one.role)).map((one) => top(one.v)), 0);
     panels.forEach((panel, i) => {
       const found = window.signals.find((one) => one.role === panel.role);
       if (!found?.t.length) return;
-      const shown = shownAs(found.unit, EMG.includes(panel.role) ? largest : 0);
+      const shown = shownAs(found.unit);
       stack.panels[i].unit(shown.unit);
       stack.panels[i].show([found.t, found.v.map((y) => y * shown.factor)], range ?? [0, options.duration()]);
     });
   }
   return stack;
-}
-
-function top(values) {
-  let most = 0;
-  for (const value of values) if (Math.abs(value) > most) most = Math.abs(value);
-  return most;
 }
