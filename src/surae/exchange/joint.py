@@ -222,7 +222,7 @@ def joint_of(leg: Leg, moved: tuple[float, float], *, springs: bool) -> JointMod
     bare = leg.with_values(dict.fromkeys(missing, 0.0))
     beside, shown = joint_tissue(leg, degrees, 1 if springs else _BENDS)
     if shown is not None:
-        bare = replace(bare, options=replace(leg.options, tissue=shown), _ties=[])
+        bare = replace(bare, options=replace(leg.options, tissue=shown), _ties={})
         missing = (*missing, *(["bends of the relaxed curve"] if springs else []))
     return JointModel(
         leg.options.anatomy,

@@ -33,9 +33,12 @@ def evoked_share(leg: Leg, _: float) -> float:
     vector = np.array([leg.values[name] for name in leg.spec.names])
     answered = 0.0
     whole = 0.0
-    for inputs, (parts, _force, states) in zip(leg.inputs, leg.split, strict=True):
+    every = [evoked_emg(inputs) for inputs in leg.inputs]
+    some = any(evoked.any() for evoked in every)  # which fewer samples might not show
+    recordings = leg.inputs if some else leg.summed
+    split = leg.split_whole if some else leg.split
+    for evoked, inputs, (parts, _force, states) in zip(every, recordings, split, strict=True):
         whole += float(np.abs(parts.neural).sum()) / inputs.rate_hz
-        evoked = evoked_emg(inputs)
         if not evoked.any():
             continue
         without = replace(inputs, emg=read_only(inputs.emg - evoked))

@@ -1,7 +1,6 @@
 """The leg of a fit, and the range that it was measured in."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -12,7 +11,8 @@ from surae.signals.resample import thinned, thinning_factor
 
 #: Percentiles of the angle between which the ankle was moved.
 _MOVED = (1.0, 99.0)
-#: Rate [Hz] at which recordings tell how a leg changes them, and samples that they keep at least.
+#: Rate [Hz] at which sums over recordings tell how they change with the leg, and the samples that
+#: are left of each at least.
 _RATE_HZ = 64.0
 _SAMPLES = 400
 
@@ -36,17 +36,18 @@ def leg_of(result: FitResult) -> Leg:
 
 
 def thinned_leg(leg: Leg) -> Leg:
-    """The leg in recordings at a rate that tells how it changes them, if not each of their samples.
+    """The leg whose torque is split at a rate that tells how it changes, if not of every sample.
 
-    A derivative of a share or of a percentile is the same from half of the samples or an eighth.
+    Of sums over a recording the derivatives are the same from half of the samples or an eighth.
+    Percentiles of active states stay those of all: what is left where their derivatives cancel is
+    less than a rate changes them.
     """
-    inputs = tuple(thinned(r, thinning_factor(r, _RATE_HZ, _SAMPLES)) for r in leg.inputs)
-    fresh: dict[str, Any] = {"_ties": [], "_holds": {}, "_muscles": {}, "_angles": {}}
-    return replace(leg, inputs=inputs, **fresh)
+    thin = tuple(thinned(r, thinning_factor(r, _RATE_HZ, _SAMPLES)) for r in leg.inputs)
+    return replace(leg, thin=thin, _ties={}, _holds={}, _muscles={}, _angles={})
 
 
 def of_any_path(leg: Leg) -> Leg:
     """The leg in a model whose arms and paths may be others, now as they are."""
     spec = with_paths(leg.spec)
     values = {**dict.fromkeys(spec.names, 0.0), **leg.values}
-    return replace(leg, spec=spec, values=values, _ties=[], _holds={}, _muscles={}, _angles={})
+    return replace(leg, spec=spec, values=values, _ties={}, _holds={}, _muscles={}, _angles={})

@@ -66,11 +66,14 @@ class Leg:
     moved: tuple[float, float] | None = None
     #: By how much the torque says that EMG was stronger than it shows, of each group.
     gained: tuple[float, ...] = (1.0, 1.0)
+    #: The recordings at a rate that tells how sums over them change with the leg; empty where those
+    #: are of every sample.
+    thin: tuple[ModelInputs, ...] = ()
     _holds: dict[tuple[str, float, float], MuscleHold] = field(default_factory=dict, compare=False)
     _muscles: dict[str, Muscle] = field(default_factory=dict, compare=False)
     _angles: dict[tuple[str, float], float] = field(default_factory=dict, compare=False)
     # What all legs of these recordings and options share:
-    _ties: list[Simulator] = field(default_factory=list, compare=False)
+    _ties: dict[str, list[Simulator]] = field(default_factory=dict, compare=False)
     _geometry: dict[tuple[float, float | None], tuple[MusclePlace, MusclePlace]] = field(
         default_factory=dict, compare=False
     )
@@ -331,24 +334,36 @@ class Leg:
     @cached_property
     def active_states(self) -> list[FloatArray]:
         """Active states α of both groups in each recording [N], shape (2, n) each."""
-        return self._of_each("activity")
+        return self._of_each("activity", self.inputs)
+
+    @property
+    def summed(self) -> tuple[ModelInputs, ...]:
+        """The recordings that torque is split in."""
+        return self.thin or self.inputs
 
     @cached_property
     def split(self) -> list[tuple[TorqueParts, FloatArray, FloatArray]]:
-        """What the torque of each recording is made of, as of `Simulator.split`."""
-        return self._of_each("split")
+        """What the torque of each of `summed` is made of, as of `Simulator.split`."""
+        return self._of_each("split", self.summed, "summed")
 
-    def _of_each(self, what: str) -> list[Any]:
+    @cached_property
+    def split_whole(self) -> list[tuple[TorqueParts, FloatArray, FloatArray]]:
+        """The same of all samples of each recording."""
+        return self._of_each("split", self.inputs) if self.thin else self.split
+
+    def _of_each(
+        self, what: str, recordings: Sequence[ModelInputs], kept: str = "whole"
+    ) -> list[Any]:
         values = np.array([self.values[name] for name in self.spec.names])
-        if not self._ties:
-            self._ties[:] = [self.spec.simulator(each, self.options) for each in self.inputs]
-        return [getattr(tie, what)(values) for tie in self._ties]
+        if kept not in self._ties:
+            self._ties[kept] = [self.spec.simulator(each, self.options) for each in recordings]
+        return [getattr(tie, what)(values) for tie in self._ties[kept]]
 
     @cached_property
     def shares(self) -> Mapping[str, tuple[float, float]]:
         """Sums over the recordings of the size of each part's torque [Nm·s], and of its power."""
         sums = dict.fromkeys(("tissue", "neural", "inertial", "gravitational"), (0.0, 0.0))
-        for (parts, *_), inputs in zip(self.split, self.inputs, strict=True):
+        for (parts, *_), inputs in zip(self.split, self.summed, strict=True):
             speed = np.abs(inputs.velocity)
             for part, before in sums.items():
                 size = np.abs(getattr(parts, part))
