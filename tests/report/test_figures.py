@@ -31,7 +31,7 @@ def test_four_panels_with_units_on_one_time_axis(traces):
     assert torque.get_ylabel() == parts.get_ylabel() == "Torque [Nm]"
     assert parts.get_xlabel() == "Time [s]"
     assert _legend(torque) == ["measured", "modelled"]
-    assert _legend(parts) == ["tissue", "neural", "inertial", "gravitational"]
+    assert _legend(parts) == ["tissue", "muscle", "inertial", "gravitational"]
     for axes in (*strips, angle, torque):
         assert axes.get_shared_x_axes().joined(axes, parts)
 

@@ -1,6 +1,6 @@
 """
-The torque of a stream, as it comes
-===================================
+How do I have the torque of a stream as it comes?
+=================================================
 
 A device streams angle, torque and EMG over the Lab Streaming Layer; the predictor answers each
 sample with a torque on a stream of its own. Here a thread plays the device.

@@ -1,6 +1,6 @@
 """
-Hand it on
-==========
+How do I hand a fit on?
+=======================
 
 A line each: what others do with a fit.
 """
