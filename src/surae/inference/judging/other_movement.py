@@ -31,7 +31,7 @@ _ALIKE = 1.1
 
 
 @dataclass(frozen=True, slots=True)
-class Beside:
+class BesideSimplest:
     """A torque beside that of the family's simplest member."""
 
     torque: FloatArray  #: What is predicted [Nm], shape (n,).
@@ -54,7 +54,7 @@ def moves_otherwise(others: Sequence[ModelInputs], recording: ModelInputs) -> bo
 
 def beside_simplest(
     result: FitResult, recording: ModelInputs, torque: FloatArray, *, adequate: bool
-) -> Beside | None:
+) -> BesideSimplest | None:
     """The torque of a family's fit beside its simplest member's; None where that is not known.
 
     Parameters
@@ -72,7 +72,7 @@ def beside_simplest(
 
     Returns
     -------
-    Beside or None
+    BesideSimplest or None
         None of a named model, and where the simplest member has no torque.
     """
     problem = result.problem
@@ -96,6 +96,6 @@ def beside_simplest(
     apart = plain - torque
     shared = adequate or not problem.of_inverse_dynamics
     if shared or not moves_otherwise(problem.inputs, recording):
-        return Beside(torque, 0.0, np.sqrt(weight) * apart, plain)
+        return BesideSimplest(torque, 0.0, np.sqrt(weight) * apart, plain)
     both = torque + weight * apart
-    return Beside(both, weight, np.sqrt(weight * (1.0 - weight)) * apart, plain)
+    return BesideSimplest(both, weight, np.sqrt(weight * (1.0 - weight)) * apart, plain)
