@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import surae
+from surae.base.frozen import FrozenDict
+from surae.inference import Grade
 from surae.measures.norms import Norm
 from surae.nerve.leg import Nerve
 from surae.report import block
@@ -85,6 +87,8 @@ def test_normal_stands_beside_the_number_or_says_what_would_tell_it(done) -> Non
     number = block.Text("", "say", "0.2 Nm/°")
     name, m = next((n, m) for n, m in of_fit.items() if m.verdict in ("identified", "weak"))
     norm = Norm(name, m.unit, "slow", "healthy adults", 32, m.value, abs(m.value), "A (2020)")
+    good = replace(of_fit.adequacy, grade=Grade.ADEQUATE)
+    of_fit = replace(of_fit, adequacy=good)
     pair, source = beside(number, of_fit, [norm], EN, name)
     assert pair.blocks[0] is number
     assert pair.blocks[1].lead.startswith("Normal? Above 50 %")
@@ -94,6 +98,18 @@ def test_normal_stands_beside_the_number_or_says_what_would_tell_it(done) -> Non
     ((_number, asked),) = [each.blocks for each in beside(number, of_fit, [other], EN)]
     assert asked.lead == "Normal? Not known"
     assert "55° dorsiflexion" in asked.text
+
+
+def test_a_doubted_model_places_no_leg_beside_others(done) -> None:
+    of_fit = done[1].joint.measures()
+    name, m = next((n, m) for n, m in of_fit.items() if m.verdict in ("identified", "weak"))
+    norm = Norm(name, m.unit, "slow", "healthy adults", 32, m.value, abs(m.value), "A (2020)")
+    doubt = replace(of_fit.adequacy, grade=Grade.DOUBTFUL)
+    number = block.Text("", "say", "0.2 Nm/°")
+    for basis, leads in (("model", "Normal? Not known"), ("rest", "Normal? Above 50 %")):
+        by_name = FrozenDict({name: replace(m, basis=basis)})
+        told = replace(of_fit, adequacy=doubt, by_name=by_name)
+        assert beside(number, told, [norm], EN, name)[0].blocks[1].lead == leads
 
 
 def test_each_question_has_one_line_of_answer(done) -> None:

@@ -47,7 +47,7 @@ _NOTHING = 0.1
 _LONG = 40
 #: Size of the relaxed curve [inch].
 _WIDTH = 5.2
-_HEIGHT = 2.5
+_HEIGHT = 2.4
 
 
 @dataclass(frozen=True, slots=True)

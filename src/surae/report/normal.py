@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from surae.base.units import on_page
+from surae.inference import Grade
 from surae.measures import Measures
 from surae.measures.norms import Norm, Placed, placed
 from surae.report import block
@@ -17,7 +18,7 @@ def beside(
     `own` is the measure that the number is of: where the group's is another, it is named.
     """
     groups = [norm for norm in known if "healthy" in norm.group] or list(known)
-    among = placed(of_fit, groups)
+    among = [p for p in placed(of_fit, groups) if _stands(of_fit, p.norm.measure)]
     if among:
         place = _among(among[0], of_fit, own, _)
         source = block.Text(among[0].norm.reference, "note")
@@ -30,6 +31,14 @@ def beside(
         )
     place = block.Text(text, "say", _("Normal? Not known"))
     return [block.Section("", (number, place), look="pair")]
+
+
+def _stands(of_fit: Measures, name: str) -> bool:
+    """Whether a measure is told by rest, or by a fit that nothing speaks against.
+
+    A model that is doubted calls healthy legs that walk stiffer than all.
+    """
+    return of_fit[name].basis == "rest" or of_fit.adequacy.grade is Grade.ADEQUATE
 
 
 def _among(p: Placed, of_fit: Measures, own: str, _: Words) -> block.Text:

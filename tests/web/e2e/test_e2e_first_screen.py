@@ -27,7 +27,7 @@ def page(browser: Any, csv: Path, tmp_path_factory: pytest.TempPathFactory) -> A
 
 def ends(page: Any) -> dict[str, float]:
     """Where the lowest of each kind ends [pixels]."""
-    kinds = {"picture": ".first > figure", "table": ".first table", "grade": "main > .adequacy"}
+    kinds = {"picture": ".first img", "table": ".first table", "grade": "main > .adequacy"}
     return {
         kind: max(each.bounding_box()["y"] + each.bounding_box()["height"] for each in shown)
         for kind, where in kinds.items()
