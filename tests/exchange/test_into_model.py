@@ -12,7 +12,8 @@ from surae.exchange.edited import edited
 from surae.exchange.into import leg_for_model
 from surae.exchange.leg_in_model import leg_in_model
 from surae.exchange.xml_tree import LARGEST, parse_xml
-from surae.measures.leg import Leg, measured_range
+from surae.measures.fitted_leg import measured_range
+from surae.measures.leg import Leg
 from surae.model import ModelOptions, get_model
 from surae.studies import virtual_subject
 
