@@ -1,11 +1,6 @@
 """The figure of a protocol: all its panels, readable without colours."""
 
-<<<<<<< HEAD
-import math
-
-=======
 import numpy as np
->>>>>>> picture
 import pytest
 
 from surae.protocol import Protocol, generate, named_device
@@ -33,8 +28,4 @@ def test_panels_with_units(trajectory) -> None:
     for axes in (angle, velocity, *strips):
         assert axes.get_shared_x_axes().joined(axes, effort)
     limits = [line for line in velocity.get_lines() if line.get_label() == "limit of achilles"]
-<<<<<<< HEAD
-    assert limits[0].get_ydata() == [math.degrees(1.5)] * 2
-=======
     assert limits[0].get_ydata() == pytest.approx(np.degrees([1.5, 1.5]))
->>>>>>> picture
