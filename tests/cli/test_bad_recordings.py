@@ -78,7 +78,8 @@ def test_a_wrong_csv(fit, edit, how, says) -> None:
 
 def test_what_is_no_recording(fit, files) -> None:
     refused(fit("none.csv"), "none.csv", "no such file")
-    refused(fit("."), "folder")
+    (files / "nothing").mkdir()
+    refused(fit("nothing"), "nothing", "no recording")
     (files / "empty.csv").write_bytes(b"")
     refused(fit("empty.csv"), "empty.csv", "empty")
     (files / "noise.csv").write_bytes(bytes(range(256)) * 20)

@@ -46,7 +46,7 @@ def test_it_shows_every_verdict_and_where_the_page_is(run, tmp_path) -> None:
     assert "Small [part] (3.1)" in done.out
     assert "differs" in done.out
     assert "0 holds, " in done.out
-    assert "1 differs, 1 cannot be checked" in done.out
+    assert "1 differs, 0 not tested by this, 1 cannot be checked" in done.out
     assert "page: reproduction/reproduction.html" in done.out
     assert "Nobody measured it." in (tmp_path / "reproduction" / "verdicts.md").read_text()
 

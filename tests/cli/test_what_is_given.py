@@ -82,7 +82,7 @@ def test_a_mapping_of_other_columns_or_two_that_differ_serve_nobody(one_layout, 
         (one_layout / "other.toml").write_text(MAPPING.replace("sign = -1\n", ""))
     else:
         (one_layout / "first.toml").write_text("[knowledge]\nangle_zero_deg = 3\n")
-    with pytest.raises(surae.SuraeError, match=r"say which|missing column"):
+    with pytest.raises(surae.SuraeError, match=r"say which|missing column|seems to be the angle"):
         surae.read(one_layout / "second.csv")
     if change == "two opinions":  # the file that has its own is read by it
         (one_layout / "other.toml").rename(one_layout / "third.toml")

@@ -284,6 +284,8 @@ def test_every_translated_word_of_the_ankle_has_another_joints_in_its_place(lang
         said = [m for m in read_po(file) if m.id and np.atleast_1d(m.id)[0] in own]
     # what rest tells is told of the ankle alone
     said = [m for m in said if not np.atleast_1d(m.id)[0].startswith(("relaxed/", "rest/"))]
+    # what other programs' muscles are held against: dissected legs
+    said = [m for m in said if "dissected legs" not in np.atleast_1d(m.id)[0]]
     texts = [text for m in said for text in np.atleast_1d(m.string)]
     worded = {text: wrist.worded(str(text), language) for text in texts}
     assert [text for text in texts if TRANSLATED.search(worded[text])] == NORMS[language]

@@ -39,7 +39,7 @@ def weak():
         angle_range=(-0.7, 0.5),
     )
     motion = generate(settings)
-    return fit_inputs([noisy(motion, 4, 2.0)], surae.FitSettings.of("muscle", starts=1))
+    return fit_inputs([noisy(motion, 4, 2.0)], surae.FitSettings.of("muscle", starts=2))
 
 
 def test_the_answer_is_a_trial_that_helps(weak, tmp_path) -> None:
@@ -101,7 +101,7 @@ def relaxed():
     settings = Protocol(
         profile="multiple-holds", task="passive", device=DEVICE, chirp_amplitude=0.1, rate_hz=64.0
     )
-    return fit_inputs([noisy(generate(settings), 4)], surae.FitSettings.of("muscle", starts=1))
+    return fit_inputs([noisy(generate(settings), 4)], surae.FitSettings.of("muscle", starts=2))
 
 
 def test_what_is_unknown_is_said_so_and_how_often_to_measure(relaxed) -> None:
@@ -124,7 +124,7 @@ def test_promised_identification_holds(relaxed) -> None:
     assert promised
     first = relaxed.result.problem.inputs[0]
     second = noisy(answer.trajectory, 4)
-    both = fit_inputs([first, second], surae.FitSettings.of("muscle", starts=1))
+    both = fit_inputs([first, second], surae.FitSettings.of("muscle", starts=2))
     assert [str(both.parameters[n].verdict) for n in promised] == ["identified"] * len(promised)
 
 
@@ -142,7 +142,7 @@ def test_nothing_is_asked_for_where_all_is_known() -> None:
     motion = generate(
         Protocol(profile="multiple-holds", device=DEVICE, chirp_amplitude=0.1, rate_hz=64.0)
     )
-    fit = fit_inputs([noisy(motion, 4, 0.02)], surae.FitSettings.of("muscle", starts=1))
+    fit = fit_inputs([noisy(motion, 4, 0.02)], surae.FitSettings.of("muscle", starts=2))
     answer = surae.measure_next(fit)
     assert answer.protocol is None
     assert "identified" in answer.sentences[0]

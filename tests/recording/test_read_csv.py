@@ -156,10 +156,10 @@ def row(number: int, old: str, new: str) -> str:
         (row(1, "time_s", "Zeit [ms]"), ["'Zeit [ms]'", "row 1", "time_s or time_ms"]),
         (
             "Zeit [ms];Winkel [deg];Moment [Nm]\n0;1,5;2\n1;2,5;3\n",
-            ["'Winkel [deg]'", "which is the angle", "surae inspect"],
+            ["'Winkel [deg]' seems to be the angle", "surae inspect"],
         ),
         (row(1, "emg_ta_V", "time_ms"), ["row 1", "'time_s', 'time_ms'", "keep one"]),
-        (row(1, "angle_rad", "hoek"), ["row 1", "missing column angle_rad", "'hoek'", "TOML"]),
+        (row(1, "angle_rad", "hoek"), ["row 1", "'hoek' seems to be the angle", "TOML"]),
         (row(1, "angle_rad", "angle_grad"), ["'angle_grad'", "row 1", "'grad'", "rad, deg"]),
         (row(1, "angle_rad", "angle"), ["'angle'", "row 1", "angle_rad, angle_deg"]),
         (row(1, "emg_ta_V", "emg_ta_kV"), ["'emg_ta_kV'", "row 1", "V, mV, uV, 1"]),

@@ -32,7 +32,7 @@ def trial(leg):
 
 @pytest.fixture(scope="module")
 def fit(trial):
-    return surae.fit(trial, "muscle", prepared=True, starts=1)
+    return surae.fit(trial, "muscle", prepared=True, starts=2)
 
 
 def test_a_fit_is_one_screen(fit):

@@ -15,6 +15,7 @@ import logging
 import os
 import pickle
 import platform
+import re
 import shutil
 import stat
 import tempfile
@@ -51,8 +52,16 @@ _KERNEL_FOLDERS = (
     "inference/least_squares",
     "inference/posterior",
     "planning",
+    "causal",
 )
-#: What a source that has kernels says; they may take constants from such sources only.
+#: Numbers that kernels take from sources without kernels, and the lines that say them.
+_CONSTANTS = {
+    "causal/layout.py": ("DOUBT",),
+    "model/crosstalk.py": ("SILENT",),
+    "model/movement.py": ("GRAVITY",),
+    "model/parameters.py": ("JOINT_RESTS",),
+}
+#: What a source that has kernels says; they may take constants from such sources and those alone.
 _IMPORT = b"from surae.model.jit import "
 #: So many folders are kept, and any that was used within so many days.
 _KEPT = 3
@@ -77,6 +86,8 @@ def cache_folder() -> Path | None:
             text = source.read_bytes()
             if _IMPORT in text or source.name == "jit.py":
                 digest.update(source.name.encode() + text)
+    for line in _constants():
+        digest.update(line)
     name = f"kernels-{digest.hexdigest()[:16]}"
     for folder in _homes():
         with suppress(OSError):
@@ -87,6 +98,16 @@ def cache_folder() -> Path | None:
             _remove_unused(folder)
             return folder / name
     return None
+
+
+def _constants() -> Iterator[bytes]:
+    """Lines that say the numbers kernels take from elsewhere, without their comments."""
+    for source, names in _CONSTANTS.items():
+        text = (_PACKAGE / source).read_bytes()
+        for name in names:
+            said = re.search(rb"^%s = ([^#\n]*[^#\s])" % name.encode(), text, re.MULTILINE)
+            assert said is not None, f"{source} says no {name}"
+            yield said[0]
 
 
 def _homes() -> Iterator[Path]:

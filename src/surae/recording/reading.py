@@ -332,6 +332,8 @@ def _likely(table: Table) -> str:
     """Which columns seem to be the angle and the torque by their names; empty where none does."""
     seem: dict[str, str] = {}
     for name in table.names:
+        if plain(name) in NAMES:  # what is called as it is to be, is that
+            continue
         guess = guess_role(name, table.units.get(name))
         if guess is not None and len(guess.roles) == 1 and guess.roles[0] in ("angle", "torque"):
             seem.setdefault(guess.roles[0], f"{some([name])} seems to be the {guess.roles[0]}")
@@ -357,9 +359,14 @@ def _no_angle(table: Table) -> str:
         )
     remarks = {table.remarks.get(name, "") for name in table.names}
     alike = "".join(remarks) if len(remarks) == 1 else ""  # what is remarked of all columns
+    some_own = any(plain(name) in NAMES for name in table.names)
+    lacks = (
+        f"none of its {table.format} columns is called angle_rad (or angle_deg)"
+        if some_own
+        else f"its {table.format} columns have other names than surae's own"
+    )
     return (
-        f"{table.file}: its {table.format} columns have other names than surae's own"
-        f"{_likely(table)}: "
+        f"{table.file}: {lacks}{_likely(table)}: "
         "write a TOML mapping, which `surae inspect FILE --output MAP.toml` begins, and read "
         f"that; columns here: {some(table.names)}{f' ({alike})' if alike else ''}"
     )

@@ -23,7 +23,7 @@ def beside(
         place = _among(among[0], of_fit, own, _)
         source = block.Text(among[0].norm.reference, "note")
         return [block.Section("", (number, place), look="pair"), source]
-    text = _("No group of legs was measured.")
+    text = _("No group of people was measured for this.")
     if groups:
         at = _.point(groups[0].measure)
         text = _(

@@ -94,10 +94,10 @@ export function shownRange(low, high, unit) {
 }
 
 /** How a signal is shown: factor and unit for the eye (degrees, mV). */
-export function shownAs(unit, largest = 0) {
+export function shownAs(unit) {
   if (unit === "rad") return { factor: 180 / Math.PI, unit: "°" };
   if (unit === "rad/s") return { factor: 180 / Math.PI, unit: "°/s" };
   if (unit === "rad/s2" || unit === "rad/s²") return { factor: 180 / Math.PI, unit: "°/s²" };
-  if (unit === "V" && largest < 1) return { factor: 1e3, unit: "mV" };
+  if (unit === "V") return { factor: 1e3, unit: "mV" };
   return { factor: 1, unit: unitText(unit) };
 }
