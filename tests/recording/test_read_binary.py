@@ -284,8 +284,11 @@ def test_a_missing_library_names_the_extra(monkeypatch, parse, package):
 
 def test_a_reader_that_hangs_or_eats_memory_is_ended_and_the_next_file_is_read(table, monkeypatch):
     hangs, guarded = "signal:pause", foreign.guarded
-    monkeypatch.setattr(foreign, "_SECONDS", 0.2)
-    monkeypatch.setattr(foreign, "guarded", lambda _, __, **limits: guarded(hangs, {}, **limits))
+    monkeypatch.setattr(
+        foreign,
+        "guarded",
+        lambda _, __, **limits: guarded(hangs, {}, **(limits | {"seconds": 0.2})),
+    )
     with pytest.raises(InputError, match=r"XDF that cannot be read: .*\(it took too long\)"):
         table(xdf_file())
     monkeypatch.undo()

@@ -66,7 +66,7 @@ def test_every_number_has_its_uncertainty_and_its_verdict(plain):
 def test_what_is_not_told_is_named_and_has_no_number(silent):
     first = first_screen(silent, traces_of(silent.result))
     *_groups, (_title, (row,)) = table_of(first).groups
-    assert row[0].why.startswith("Not told: ")
+    assert row[0].why.startswith("Not known: ")
     assert not [name for name in numbers_of(first) if f"{name}," in row[0].why]
 
 

@@ -124,7 +124,7 @@ def test_images_and_tables_can_be_read_without_seeing(joint):
     parsed = Page(joint.page)
     assert len(joint.page.encode()) < 1_000_000
     images = parsed.all("img")
-    assert len(images) == 5  # two figures for each recording, and the heat map
+    assert len(images) == 7  # the first screen's two, two of each recording, and the heat map
     assert all(image["src"].startswith("data:image/") for image in images)
     assert all(len(image["alt"]) > 40 for image in images)
     assert all(cell.get("scope") in ("col", "row", "rowgroup") for cell in parsed.all("th"))

@@ -45,7 +45,8 @@ def test_it_holds_findings_and_predictions(fit, noisy, tmp_path, monkeypatch) ->
     monkeypatch.setattr(output, "typeset", keep)
     fit.report(tmp_path / "report.pdf", validation=surae.validate(fit, [noisy, noisy]))
     inner = [b for block in seen["blocks"] if block.get("look") == "more" for b in block["blocks"]]
-    sections = {block["title"]: block["blocks"] for block in (*seen["blocks"], *inner)}
+    every = [block for block in (*seen["blocks"], *inner) if "title" in block]
+    sections = {block["title"]: block["blocks"] for block in every}
     ((_, rows),) = sections["Checks"][0]["groups"]
     found = {f.code: f for f in fit.quality[0].findings}
     assert {row[0]["text"] for row in rows} == {*found}

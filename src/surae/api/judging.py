@@ -89,7 +89,7 @@ class SecondOpinion(Tabular):
             kinds = ", ".join(f"{n} {kind}" for kind, n in each.counts.items()) or "nothing"
             lines.append(
                 f"{each.result.path} ({each.result.program}): of {len(each.values)} values "
-                f"{len(met)} say nothing of the person, or something doubtful: {kinds}"
+                f"{len(met)} are not of the person, or doubtful: {kinds}"
             )
             lines += [f"  {note}" for note in each.result.notes]
             if each.recording is not None:

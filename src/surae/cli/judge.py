@@ -37,7 +37,7 @@ from surae.cli.screen import show_answer, show_files
     help="Where another joint was held, such as knee_angle_r=20; may be repeated.",
 )
 @MAPPING
-@click.option("--output", metavar="J.json", help="Write every value with what is said of it.")
+@click.option("--output", metavar="J.json", help="Write every value with its judgement.")
 @click.option("--report", metavar="J.html", help="Write a page: HTML or PDF.")
 @LANGUAGE
 def command(

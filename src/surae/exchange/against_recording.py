@@ -115,7 +115,7 @@ def against(result: ForeignResult, leg: LegInModel, inputs: ModelInputs) -> Agai
     if inputs.missing_emg:
         raise InputError(
             f"{inputs.where}: there is no EMG of {', '.join(inputs.missing_emg)}, without which "
-            "nothing is said of the muscles"
+            "the muscles cannot be judged"
         )
     numbers = _numbers(result, leg)
     place = np.linspace(0, inputs.n - 1, min(inputs.n, _SAMPLES)).round().astype(int)

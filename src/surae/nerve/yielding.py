@@ -56,11 +56,11 @@ _RIDGE = 1e-6
 #: Why nothing is told, and what was done.
 DEVICE_YIELDS = N_(
     "the device yields: the leg’s torque moves it, so that its angle and torque tell both; record "
-    "what it is told to do (commanded_angle), or use a stiffer one"
+    "its command (commanded_angle), or use a stiffer one"
 )
 LEG_DRIVES = N_(
     "the device yields, or the leg drives it: a movement by will, or an angle and a torque that do "
-    "not belong together; record what the device is told to do (commanded_angle), and perturb a "
+    "not belong together; record the device's command (commanded_angle), and perturb a "
     "leg that holds still"
 )
 TOO_MUCH = N_(

@@ -72,7 +72,8 @@ def asked(result: FitResult) -> str:
         f"{label} {value if len(value) <= _LONG else 'as listed below'}"
         for label, value in requested(result)
     ]
-    return f"{text}; {'; '.join(own)}." if own else f"{text}."
+    whole = f"{text}; {'; '.join(own)}." if own else f"{text}."
+    return result.problem.options.anatomy.worded(whole)
 
 
 def first_screen(fit: AssessedFit, traces: Sequence[Traces]) -> First:
@@ -93,7 +94,7 @@ def first_screen(fit: AssessedFit, traces: Sequence[Traces]) -> First:
         )
     blocks = (
         _torque_picture(traces),
-        _relaxed_picture(curve),
+        _relaxed_picture(curve, words),
         _table(told, at, words),
     )
     return First(block.Section("", blocks, look="first"), figures, told)
@@ -141,12 +142,12 @@ def _torque_picture(traces: Sequence[Traces]) -> block.Picture:
     return block.Picture("first", alt, caption, "here", 100)
 
 
-def _relaxed_picture(curve: object) -> block.Picture:
+def _relaxed_picture(curve: object, words: Words) -> block.Picture:
     caption = "By the model: these recordings hold no rest that tells it."
     if isinstance(curve, RelaxedCurve):
         caption = "Relaxed leg by its rest alone, foot and plate taken off; bands hold 95 %."
     alt = "Torque of the relaxed leg over the angle, with its 95 % band."
-    return block.Picture("relaxed", alt, caption, "here", 100)
+    return block.Picture("relaxed", words(alt), words(caption), "here", 100)
 
 
 def _table(told: Sequence[Measure], at: float, words: Words) -> block.Grid:
@@ -155,12 +156,12 @@ def _table(told: Sequence[Measure], at: float, words: Words) -> block.Grid:
     relaxed.sort(key=lambda m: _RELAXED.index(_name(m)))
     muscles = [m for m in told if is_invariant(m) and _name(m) in MEASURES]
     groups = [
-        ("Relaxed leg", tuple(_rows(relaxed, words))),
+        (words("Relaxed leg"), tuple(_rows(relaxed, words))),
         ("Muscles, whatever arms and paths are", tuple(_rows(muscles, words))),
     ]
     if missing := [m for m in (*relaxed, *muscles) if not _is_told(m)]:
         names = ", ".join(_called(m, words) for m in missing)
-        groups.append(("", ((block.Cell(why=f"Not told: {names}."),),)))
+        groups.append(("", ((block.Cell(why=f"Not known: {names}."),),)))
     heads = block.columns("", "Value", "95 %", "", numbers=(1, 2), wide=(0,))
     return block.Grid("Relaxed measures and invariants", heads, tuple(groups), "measured")
 

@@ -86,7 +86,7 @@ def _short(results: Sequence[Judged], _: Words) -> Iterator[block.Block]:
     for result, values, told in results:
         met = sum(1 for value in values if value.remarks)
         text = _(
-            "{file} ({program}): of {count} values {met} are doubtful or say nothing of the leg.",
+            "{file} ({program}): of {count} values {met} are doubtful or not of this leg.",
             file=result.path,
             program=result.program,
             count=str(len(values)),

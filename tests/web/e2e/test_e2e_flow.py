@@ -54,9 +54,9 @@ def test_a_csv_becomes_a_report(desk: Desk, csv: Path) -> None:
     page.wait_for_url("**/fit")
     page.get_by_text("1.50 s left out").wait_for()
     page.get_by_text("More settings").click()
-    page.get_by_label("Starts").fill("1")
+    page.get_by_label("Starts").fill("2")
     page.get_by_label("Starts").press("Tab")
-    page.get_by_role("button", name=re.compile("Undo: Starts 1")).wait_for()
+    page.get_by_role("button", name=re.compile("Undo: Starts 2")).wait_for()
     page.get_by_role("button", name="Fit", exact=True).click()
     page.get_by_role("link", name="Open the result").click()
 

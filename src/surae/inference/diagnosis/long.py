@@ -22,6 +22,8 @@ from surae.signals.windows import liveliest
 
 #: A recording that lasts longer [s] is judged in windows: so many, of that length [s].
 LONGEST = 7200.0
+#: Samples in a second from which on that may be so: of fewer the unit of time is in question [Hz].
+_SLOWEST = 5.0
 _COUNT = 8
 _SECONDS = 300.0
 #: Length of the pieces in which single samples are looked at [s].
@@ -38,7 +40,9 @@ _OF_SAMPLES |= {"time-gap", "time-jitter"}
 def is_long(recording: Recording) -> bool:
     """Whether a recording is judged in windows."""
     start, end = recording.shared
-    return end - start > LONGEST and "angle" in recording.channels
+    if not end - start > LONGEST or "angle" not in recording.channels:
+        return False
+    return len(recording.channels["angle"].time) >= _SLOWEST * (end - start)
 
 
 def examined_in_windows(
