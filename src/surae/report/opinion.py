@@ -25,7 +25,7 @@ _TOLD = {
 KINDS = {
     "contradicted": N_("against the recording"),
     "outside-human": N_("no human’s"),
-    "at-limit": N_("at its limit"),
+    "at-limit": N_("at bound"),
     "at-shared-end": N_("at a common end"),
     "at-start": N_("never moved"),
     "generic": N_("generic"),
@@ -185,7 +185,7 @@ def _reading(_: Words) -> Iterator[block.Block]:
     """What the judgements mean, and what this is not."""
     yield block.Text(
         _(
-            "At its limit: the search was stopped there, so the value is that of whoever set the "
+            "At bound: the search was stopped there, so the value is that of whoever set the "
             "limit. Generic or never moved: the value is of the model before anybody was measured. "
             "At a common end: several muscles have the same lowest or highest value, as at a limit "
             "that the file does not state. No human’s: beyond what 21 dissected legs and older "
