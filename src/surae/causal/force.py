@@ -4,22 +4,18 @@ import math
 
 from surae.base.units import FloatArray
 from surae.causal.signals import Record
+from surae.model.compliant import muscle_of
 from surae.model.compliant_stage import (
-    BEND,
     BRIDGE,
     E_0,
     E_1,
     E_2,
     EPS0,
     F_MAX,
-    FASTEST,
-    GAIN,
     GAMMA,
     K_TOE,
-    LONG,
     REACH,
     RHO,
-    SHORT,
     STRAIN,
     TOE,
     X_BEGIN,
@@ -35,7 +31,7 @@ from surae.model.compliant_stage import (
     strain_bridges,
 )
 from surae.model.contraction import CF, FECC, MVSH, force_velocity
-from surae.model.equilibrium import Muscle, solve
+from surae.model.equilibrium import solve
 from surae.model.jit import inner
 from surae.model.rigid import K_REL, L0, TAU, X0, K
 from surae.model.tendon import TendonCurve, tendon_curve
@@ -92,14 +88,6 @@ def _begin(stage: int, past: FloatArray, missed: float) -> float:
 
 
 @inner
-def _muscle(p: FloatArray, factor: float) -> Muscle:
-    vmax = factor * p[L0] * math.exp(p[FASTEST])
-    bend = MVSH * math.exp(p[BEND])
-    gain = (FECC - 1.0) * math.exp(p[GAIN])
-    return p[K], p[X0], p[L0], vmax, p[SHORT], p[LONG], bend, gain
-
-
-@inner
 def _tendon(p: FloatArray, unit: float) -> TendonCurve:
     curve: TendonCurve = tendon_curve(p[EPS0] * unit, p[TOE], p[K_TOE], p[F_MAX])
     return curve
@@ -116,7 +104,7 @@ def compliant_force(
     """
     p = n.groups[group]
     past = s.past[group]
-    muscle = _muscle(p, n.vmax_factor)
+    muscle = muscle_of(p, n.vmax_factor)
     curve = _tendon(p, n.tendon_unit[group])
     holding = p[BRIDGE] / p[L0]
     bridging = p[REACH] * p[L0] > 0.0 and holding != 0.0

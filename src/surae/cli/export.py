@@ -57,7 +57,7 @@ def command(
         write_set(fitted, output, bids)
         return
     path = output or str(Path(fitted).with_suffix(_ENDINGS[to]))
-    if into.model is not None:
+    if into.into is not None:
         write_into(fitted, to, path, into)
         return
     check_outputs({"--output": path}, [fitted], spare_fits=True)

@@ -1,18 +1,14 @@
 """`surae export --to bids`: recordings as EMG-BIDS, the fit of them as a derivative."""
 
-import functools
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, TypeVar
 
 import click
 
 from surae import api
 from surae.base.errors import InputError
+from surae.cli.option_records import as_record, refuse
 from surae.cli.options import MAPPING, Typed, number
 from surae.cli.screen import show_line
-
-F = TypeVar("F", bound=Callable[..., Any])
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,56 +23,37 @@ class BidsOptions:
 
     def refuse_for(self, to: str) -> None:
         """Refuse them where no data set is written."""
-        given = {
+        given: dict[str, object] = {
             "--recording": bool(self.recordings),
             "--mapping": self.mapping is not None,
             "--subject": self.subject is not None,
             "--task": self.task is not None,
             "--mains": self.mains is not None,
         }
-        for option, is_given in given.items():
-            if is_given:
-                raise InputError(f"{option} has no effect on --to {to}; leave it out")
+        refuse(given, to)
 
 
-def bids_options(command: F) -> F:
-    """The options of a data set, as one argument `bids`."""
-
-    @functools.wraps(command)
-    def with_bids(
-        *args: Any,
-        recordings: tuple[str, ...],
-        mapping: str | None,
-        subject: str | None,
-        task: str | None,
-        mains: float | None,
-        **others: Any,
-    ) -> Any:
-        told = BidsOptions(recordings, mapping, subject, task, mains)
-        return command(*args, bids=told, **others)
-
-    for option in reversed(
-        (
-            click.option(
-                "--recording",
-                "recordings",
-                multiple=True,
-                metavar="REC",
-                help="EMG-BIDS: a recording to write, as it was measured; may be repeated.",
-            ),
-            MAPPING,
-            click.option("--subject", metavar="LABEL", help="EMG-BIDS: whose.  [default: 01]"),
-            click.option("--task", metavar="LABEL", help="EMG-BIDS: which.  [default: ankle]"),
-            click.option(
-                "--mains",
-                type=Typed(number),
-                metavar="HZ",
-                help="EMG-BIDS: frequency of the mains.  [default: not stated]",
-            ),
-        )
-    ):
-        with_bids = option(with_bids)
-    return with_bids  # type: ignore[return-value]
+#: The options of a data set, as one argument `bids`.
+bids_options = as_record(
+    "bids",
+    BidsOptions,
+    click.option(
+        "--recording",
+        "recordings",
+        multiple=True,
+        metavar="REC",
+        help="EMG-BIDS: a recording to write, as it was measured; may be repeated.",
+    ),
+    MAPPING,
+    click.option("--subject", metavar="LABEL", help="EMG-BIDS: whose.  [default: 01]"),
+    click.option("--task", metavar="LABEL", help="EMG-BIDS: which.  [default: ankle]"),
+    click.option(
+        "--mains",
+        type=Typed(number),
+        metavar="HZ",
+        help="EMG-BIDS: frequency of the mains.  [default: not stated]",
+    ),
+)
 
 
 def write_set(fitted: str, output: str | None, options: BidsOptions) -> None:

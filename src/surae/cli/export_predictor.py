@@ -1,21 +1,17 @@
 """`surae export --to predictor`: a fit's torque while it is measured, as one file of C99."""
 
-import functools
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
 
 import click
 
 from surae import api
 from surae.base.errors import InputError
+from surae.cli.option_records import as_record, refuse
 from surae.cli.options import Typed, number
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_files, show_line
-
-F = TypeVar("F", bound=Callable[..., Any])
 
 #: Steps in a second by default [Hz].
 _RATE_HZ = 1000.0
@@ -32,59 +28,41 @@ class PredictorOptions:
 
     def refuse_for(self, to: str) -> None:
         """Refuse them where no predictor is written."""
-        given = {
+        given: dict[str, object] = {
             "--rate": self.rate is not None,
             "--emg": self.emg is not None,
             "--precision": self.precision is not None,
             "--even-if-doubtful": self.even_if_doubtful,
         }
-        for option, is_given in given.items():
-            if is_given:
-                raise InputError(f"{option} has no effect on --to {to}; leave it out")
+        refuse(given, to)
 
 
-def predictor_options(command: F) -> F:
-    """The options of a predictor, as one argument `predictor`."""
-
-    @functools.wraps(command)
-    def with_predictor(
-        *args: Any,
-        rate: float | None,
-        emg: str | None,
-        precision: str | None,
-        even_if_doubtful: bool,
-        **others: Any,
-    ) -> Any:
-        told = PredictorOptions(rate, emg, precision, even_if_doubtful)
-        return command(*args, predictor=told, **others)
-
-    for option in reversed(
-        (
-            click.option(
-                "--rate",
-                type=Typed(number),
-                metavar="HZ",
-                help=f"Predictor: samples in a second.  [default: {_RATE_HZ:g}]",
-            ),
-            click.option(
-                "--emg",
-                type=click.Choice(["raw", "envelope"]),
-                help="Predictor: how EMG comes.  [default: as it came to the fit]",
-            ),
-            click.option(
-                "--precision",
-                type=click.Choice(["double", "float"]),
-                help="Predictor: of its numbers.  [default: double]",
-            ),
-            click.option(
-                "--even-if-doubtful",
-                is_flag=True,
-                help="Predictor: of a fit that is not adequate too.",
-            ),
-        )
-    ):
-        with_predictor = option(with_predictor)
-    return with_predictor  # type: ignore[return-value]
+#: The options of a predictor, as one argument `predictor`.
+predictor_options = as_record(
+    "predictor",
+    PredictorOptions,
+    click.option(
+        "--rate",
+        type=Typed(number),
+        metavar="HZ",
+        help=f"Predictor: samples in a second.  [default: {_RATE_HZ:g}]",
+    ),
+    click.option(
+        "--emg",
+        type=click.Choice(["raw", "envelope"]),
+        help="Predictor: how EMG comes.  [default: as it came to the fit]",
+    ),
+    click.option(
+        "--precision",
+        type=click.Choice(["double", "float"]),
+        help="Predictor: of its numbers.  [default: double]",
+    ),
+    click.option(
+        "--even-if-doubtful",
+        is_flag=True,
+        help="Predictor: of a fit that is not adequate too.",
+    ),
+)
 
 
 def write_predictor(fitted: str, output: str | None, options: PredictorOptions) -> None:

@@ -1,6 +1,6 @@
 """What muscles of adults are like, and what public models say of them before anybody is measured.
 
-Fibre lengths and pennation of 21 legs: S. R. Ward, C. M. Eng, L. H. Smallwood, R. L. Lieber (2009).
+Fibre lengths of 21 legs: S. R. Ward, C. M. Eng, L. H. Smallwood, R. L. Lieber (2009).
 Are current measurements of lower extremity muscle architecture accurate? Clinical Orthopaedics and
 Related Research 467(4):1074-1082. Generic values: S. L. Delp et al. (1990), IEEE Transactions on
 Biomedical Engineering 37(8):757-767, as gait2392 has them; A. Rajagopal et al. (2016), IEEE
@@ -8,29 +8,29 @@ Transactions on Biomedical Engineering 63(10):2068-2079, and as A. K. M. Lai, A.
 J. M. Wakeling (2017), Annals of Biomedical Engineering 45(12):2762-2774, changed them.
 """
 
-#: Normalised fibre length, mean and standard deviation [mm], and pennation, likewise [deg].
+#: Normalised fibre length, mean and standard deviation [mm].
 WARD = {
-    "rectus femoris": (75.9, 12.8, 13.9, 3.5),
-    "vastus lateralis": (99.4, 17.6, 18.4, 6.8),
-    "vastus intermedius": (99.3, 20.3, 4.5, 4.5),
-    "vastus medialis": (96.8, 23.0, 29.6, 6.9),
-    "biceps femoris long head": (97.6, 26.2, 11.6, 5.5),
-    "biceps femoris short head": (110.3, 20.6, 12.3, 3.6),
-    "semitendinosus": (193.0, 41.2, 12.9, 4.9),
-    "semimembranosus": (69.0, 18.3, 15.1, 3.4),
-    "sartorius": (403.0, 46.3, 1.3, 1.8),
-    "gracilis": (227.8, 43.7, 8.2, 2.5),
-    "tibialis anterior": (68.3, 7.9, 9.6, 3.1),
-    "extensor hallucis longus": (74.8, 11.3, 9.4, 2.2),
-    "extensor digitorum longus": (69.3, 11.4, 10.8, 2.8),
-    "peroneus longus": (50.8, 6.3, 14.1, 5.1),
-    "peroneus brevis": (45.4, 6.5, 11.5, 3.0),
-    "gastrocnemius medialis": (51.0, 9.8, 9.9, 4.4),
-    "gastrocnemius lateralis": (58.8, 9.5, 12.0, 3.1),
-    "soleus": (44.0, 9.9, 28.3, 10.1),
-    "flexor hallucis longus": (52.7, 12.9, 16.9, 4.6),
-    "flexor digitorum longus": (44.6, 10.6, 13.6, 4.7),
-    "tibialis posterior": (37.8, 4.9, 13.7, 4.1),
+    "rectus femoris": (75.9, 12.8),
+    "vastus lateralis": (99.4, 17.6),
+    "vastus intermedius": (99.3, 20.3),
+    "vastus medialis": (96.8, 23.0),
+    "biceps femoris long head": (97.6, 26.2),
+    "biceps femoris short head": (110.3, 20.6),
+    "semitendinosus": (193.0, 41.2),
+    "semimembranosus": (69.0, 18.3),
+    "sartorius": (403.0, 46.3),
+    "gracilis": (227.8, 43.7),
+    "tibialis anterior": (68.3, 7.9),
+    "extensor hallucis longus": (74.8, 11.3),
+    "extensor digitorum longus": (69.3, 11.4),
+    "peroneus longus": (50.8, 6.3),
+    "peroneus brevis": (45.4, 6.5),
+    "gastrocnemius medialis": (51.0, 9.8),
+    "gastrocnemius lateralis": (58.8, 9.5),
+    "soleus": (44.0, 9.9),
+    "flexor hallucis longus": (52.7, 12.9),
+    "flexor digitorum longus": (44.6, 10.6),
+    "tibialis posterior": (37.8, 4.9),
 }
 #: Standard deviations from the mean that no adult of so many is beyond; and what models in use
 #: have, of older legs, which is not called impossible [mm].
@@ -58,7 +58,7 @@ DELAY = (0.0, 0.13)
 #: Pennation beyond which a fibre hardly pulls along its tendon [rad].
 PENNATION = (0.0, 0.8)
 
-#: Generic values: fibre [m], tendon [m], force [N], pennation [rad], by model and muscle.
+#: Generic values: fibre [m], tendon [m], force [N], by model and muscle.
 GENERIC = {
     "gait2392": {
         "soleus": (0.05, 0.25, 3549.0),
@@ -110,7 +110,7 @@ def range_of(muscle: str, parameter: str, mass: float | None) -> tuple[float, fl
         return min(ends), max(*ends, 1e-3 * OLDER[muscle])
     if muscle not in WARD:
         return None
-    mean, sd, *_ = WARD[muscle]
+    mean, sd = WARD[muscle]
     smaller = 1.0 if mass is None else min((mass / MASS) ** (1.0 / 3.0), 1.0)
     low = max(mean - BEYOND * sd, 0.0) * smaller
     high = max(mean + BEYOND * sd, 1.05 * OLDER.get(muscle, 0.0))

@@ -3,7 +3,7 @@
 import os
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -235,21 +235,7 @@ def leg_in_model(
                 f"{where}: muscle {head.name!r} pulls the ankle the wrong way, or not: its moment "
                 f"arm at 0° is {1e3 * arm:.3g} mm"
             )
-    return LegInModel(
-        where,
-        os.fspath(path),
-        data,
-        version,
-        root,
-        skeleton,
-        side,
-        coordinate,
-        leg.component,
-        sign,
-        found,
-        posed,
-        _crossing(leg, muscles_of(root, where)),
-    )
+    return replace(leg, sign=sign, others=_crossing(leg, muscles_of(root, where)))
 
 
 def _ankle(skeleton: Skeleton, letter: str, where: str) -> str:

@@ -115,7 +115,7 @@ def stages(length: FloatArray, speed: FloatArray, dt: float) -> FloatArray:
 
 
 @inner
-def _muscle(p: FloatArray, factor: float) -> Muscle:
+def muscle_of(p: FloatArray, factor: float) -> Muscle:
     """A muscle of its group's parameters, as the force balance takes it."""
     vmax = factor * p[L0] * math.exp(p[FASTEST])
     bend = MVSH * math.exp(p[BEND])
@@ -210,7 +210,7 @@ def compliant_states(
     arm, lengths, length_slopes, length_slots = unit
     alphas, alpha_slopes, alpha_slots = drive
     states, jacobian, linear, _ = to
-    muscle = _muscle(p, factor)
+    muscle = muscle_of(p, factor)
     holding = p[BRIDGE] / p[L0]
     unwanted = len(jacobian) - 1
     bridging = p[REACH] * p[L0] > 0.0 and (holding != 0.0 or slots[BRIDGE] != unwanted)

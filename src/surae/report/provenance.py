@@ -145,7 +145,8 @@ def requested(result: FitResult) -> list[tuple[str, str]]:
         for each, record in settings_of(type(request)):
             value = getattr(request, each.name)
             if each.name not in _ELSEWHERE and value != default_of(each):
-                label = problem.options.anatomy.worded(record.label or each.name.capitalize())
+                name = record.label or each.name.replace("_", " ").capitalize()
+                label = problem.options.anatomy.worded(name)
                 facts.append((label, _written(value)))
     return facts
 

@@ -147,8 +147,9 @@ def _written(opened: "table.BatchStore", output: Path, *, sessions: bool, only: 
         failed = columns.index("status")
         worked = any(row[failed] != "failed" for row in table.fit_rows(opened.outcomes(), columns))
     if not sessions:
-        curves = lambda: table.relaxed_rows(opened.outcomes())  # noqa: E731
-        pieces.write_pieces(output, "relaxed", table.RELAXED, curves)
+        pieces.write_pieces(
+            output, "relaxed", table.RELAXED, lambda: table.relaxed_rows(opened.outcomes())
+        )
         result = answers(list(opened.outcomes()))
         summary = result.tables[0]
         if only == "spectra":
