@@ -2,39 +2,51 @@
 
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import click
 
 from surae import api
 from surae.base.files import shown
+from surae.cli.option_records import as_record
 from surae.cli.options import EXCLUDE, MAPPING, corrections
 from surae.cli.paths import in_folders
 from surae.cli.progress import work
 from surae.cli.screen import show_answer, show_line
 
 
+@dataclass(frozen=True, slots=True)
+class Taken:
+    """What recordings are taken for, as `surae.check` is told it."""
+
+    exclude: tuple[tuple[float, float, float], ...]  #: Spans of time [s].
+    prepared: bool
+    commanded: str | None
+    joint: str | None
+
+
 @click.command("check")
 @click.argument("recordings", metavar="REC…|DIR", nargs=-1, required=True)
 @MAPPING
 @corrections
-@EXCLUDE
 @click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON.")
 @click.option("--strict", is_flag=True, help="Exit with 1 if there is a warning or an error.")
-@click.option("--prepared", is_flag=True, help="The signals are used as they are: see `fit`.")
-@click.option("--commanded", metavar="P.csv", help="What the device was to follow.")
-@click.option("--joint", metavar="JOINT.toml", help="Another joint than the ankle: see `fit`.")
+@as_record(
+    "taken",
+    Taken,
+    EXCLUDE,
+    click.option("--prepared", is_flag=True, help="The signals are used as they are: see `fit`."),
+    click.option("--commanded", metavar="P.csv", help="What the device was to follow."),
+    click.option("--joint", metavar="JOINT.toml", help="Another joint than the ankle: see `fit`."),
+)
 def command(
     recordings: tuple[str, ...],
     mapping: str | None,
     as_json: bool,
     strict: bool,
-    prepared: bool,
-    commanded: str | None,
-    joint: str | None,
+    taken: Taken,
     corrections: dict[str, Any],
-    exclude: tuple[tuple[float, float, float], ...],
 ) -> int:
     """Look for faults in recordings before they are fitted.
 
@@ -44,7 +56,7 @@ def command(
     """
     recordings = in_folders(recordings, mapping)
 
-    protocol = None if commanded is None else api.commanded_file(commanded)
+    protocol = None if taken.commanded is None else api.commanded_file(taken.commanded)
     names: list[str] = []
     with work() as progress:
 
@@ -61,7 +73,11 @@ def command(
                     yield one
 
         qualities = api.check_together(
-            each(), commanded=protocol, prepared=prepared, joint=joint, exclude=exclude
+            each(),
+            commanded=protocol,
+            prepared=taken.prepared,
+            joint=taken.joint,
+            exclude=taken.exclude,
         )
     if as_json:
         click.echo(json.dumps(_plain(names, qualities), ensure_ascii=False, indent=2))

@@ -1,5 +1,6 @@
 """`surae design`."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import click
@@ -8,6 +9,7 @@ from surae import api
 from surae.base.errors import InputError
 from surae.base.files import shown, write_json
 from surae.base.requests import DesignSettings
+from surae.cli.option_records import as_record
 from surae.cli.options import NUMBER, PICTURE, settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
@@ -15,17 +17,44 @@ from surae.cli.protocol import device_of, device_options, file_kind
 from surae.cli.screen import show_answer, show_files, show_line
 
 
+@dataclass(frozen=True, slots=True)
+class OneLeg:
+    """The leg for which a trial is designed, where it is no one of a population."""
+
+    fitted: str | None
+    after: str | None  #: The same, and what is known of it counts.
+
+    def __post_init__(self) -> None:
+        if self.fitted is not None and self.after is not None:
+            raise InputError(
+                "--fit and --after: give one of them; --after counts what it knows, too"
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class Outputs:
+    """Files that a design is written to."""
+
+    output: str
+    target: str | None  #: For the subject's screen.
+    figure: str | None
+
+
 @click.command("design")
-@click.option(
-    "--fit",
-    "fitted",
-    metavar="FIT.json|DIR",
-    help="For one leg, as far as a fit or a session knows it.",
-)
-@click.option(
-    "--after",
-    metavar="FIT.json|DIR",
-    help="Likewise, and what is known counts: the trial that adds most.",
+@as_record(
+    "leg",
+    OneLeg,
+    click.option(
+        "--fit",
+        "fitted",
+        metavar="FIT.json|DIR",
+        help="For one leg, as far as a fit or a session knows it.",
+    ),
+    click.option(
+        "--after",
+        metavar="FIT.json|DIR",
+        help="Likewise, and what is known counts: the trial that adds most.",
+    ),
 )
 @device_options
 @settings_options(DesignSettings, api.ModelOptions)
@@ -37,22 +66,25 @@ from surae.cli.screen import show_answer, show_files, show_line
 @click.option(
     "--minutes", type=NUMBER, metavar="N", help="Of the leg's time, with --session.  [default: 10]"
 )
-@click.option(
-    "--output",
-    required=True,
-    metavar="P.csv|P.mat",
-    help="Where the protocol goes; of a session's plan a .json.",
+@as_record(
+    "outputs",
+    Outputs,
+    click.option(
+        "--output",
+        required=True,
+        metavar="P.csv|P.mat",
+        help="Where the protocol goes; of a session's plan a .json.",
+    ),
+    click.option(
+        "--target", metavar="T.csv", help="Where the target for the subject's screen goes."
+    ),
+    click.option("--figure", type=PICTURE, metavar="P.svg|pdf|png", help="Draw it."),
 )
-@click.option("--target", metavar="T.csv", help="Where the target for the subject's screen goes.")
-@click.option("--figure", type=PICTURE, metavar="P.svg|pdf|png", help="Draw it.")
 def command(
-    fitted: str | None,
-    after: str | None,
+    leg: OneLeg,
     device: str,
     without_limits: str | None,
-    output: str,
-    target: str | None,
-    figure: str | None,
+    outputs: Outputs,
     session: bool,
     minutes: float | None,
     options: dict[str, Any],
@@ -61,6 +93,8 @@ def command(
 
     The same options find the same protocol. Ctrl-C keeps the best so far.
     """
+    fitted, after = leg.fitted, leg.after
+    output, target, figure = outputs.output, outputs.target, outputs.figure
     if session:
         _plan(
             fitted or after or target or figure,
@@ -77,8 +111,6 @@ def command(
         {"--output": output, "--target": target, "--figure": figure},
         [path for path in (fitted, after) if path is not None],
     )
-    if fitted is not None and after is not None:
-        raise InputError("--fit and --after: give one of them; --after counts what it knows, too")
     limiting = device_of(device, without_limits)
 
     options |= {

@@ -1,6 +1,7 @@
 """`surae fit`."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import click
@@ -10,10 +11,21 @@ from surae.base.errors import ComputationError, InputError
 from surae.base.files import shown
 from surae.cli.check import show_short
 from surae.cli.grouped import Grouped
+from surae.cli.option_records import as_record
 from surae.cli.options import MAPPING, PICTURE, corrections, request, settings_options
 from surae.cli.paths import check_outputs, in_folders
 from surae.cli.progress import StoppedError, Work, compilation_notice, work
 from surae.cli.screen import show_files, show_fit
+
+
+@dataclass(frozen=True, slots=True)
+class Outputs:
+    """Files that a fit is written to."""
+
+    output: str | None  #: The fit itself.
+    report: str | None
+    figure: str | None = None
+    width: float = 170.0  #: Of the figure [mm].
 
 
 @click.command("fit", cls=Grouped)
@@ -30,15 +42,19 @@ from surae.cli.screen import show_files, show_fit
 @click.option(
     "--strict", is_flag=True, help="Refuse recordings in which `surae check` finds errors."
 )
-@click.option("--output", metavar="FIT.json", help="Write the fit.")
-@click.option("--report", metavar="REPORT.html", help="Write the report; .pdf makes a PDF.")
-@click.option("--figure", type=PICTURE, metavar="F.svg|pdf|png", help="Draw it for a paper.")
-@click.option(
-    "--width",
-    type=click.FloatRange(40.0, 500.0),
-    default=170.0,
-    metavar="MM",
-    help="Width of the figure.  [default: 170]",
+@as_record(
+    "outputs",
+    Outputs,
+    click.option("--output", metavar="FIT.json", help="Write the fit."),
+    click.option("--report", metavar="REPORT.html", help="Write the report; .pdf makes a PDF."),
+    click.option("--figure", type=PICTURE, metavar="F.svg|pdf|png", help="Draw it for a paper."),
+    click.option(
+        "--width",
+        type=click.FloatRange(40.0, 500.0),
+        default=170.0,
+        metavar="MM",
+        help="Width of the figure.  [default: 170]",
+    ),
 )
 def command(
     recordings: tuple[str, ...],
@@ -46,10 +62,7 @@ def command(
     options: dict[str, Any],
     mvc: tuple[str, ...],
     strict: bool,
-    output: str | None,
-    report: str | None,
-    figure: str | None,
-    width: float,
+    outputs: Outputs,
     corrections: dict[str, Any],
 ) -> None:
     """Estimate a model's parameters from one recording, or jointly from several.
@@ -61,7 +74,7 @@ def command(
     settings = request(options)
     recordings = in_folders(recordings, mapping)
 
-    api.check_report(report)
+    api.check_report(outputs.report)
     with work() as progress:
         measured = read_all(recordings, progress, mapping, corrections)
 
@@ -73,7 +86,7 @@ def command(
             api.read_contraction(path, mapping=mapping, **(corrections or {})) for path in mvc
         ]
         check_outputs(
-            {"--output": output, "--report": report, "--figure": figure},
+            {"--output": outputs.output, "--report": outputs.report, "--figure": outputs.figure},
             [file.path for recording in (*measured, *contractions) for file in recording.files],
         )
 
@@ -86,8 +99,8 @@ def command(
             fit = api.fit_inputs(
                 inputs, settings, quality, progress=progress.starts, judging=progress.judging
             )
-    show_fitted(fit, output, report, figure, width)
-    judge_end(fit, output)
+    show_fitted(fit, outputs)
+    judge_end(fit, outputs.output)
 
 
 def read_all(
@@ -115,14 +128,9 @@ def refuse_errors(path: str, quality: "api.Quality") -> None:
         )
 
 
-def show_fitted(
-    fit: "api.Fit",
-    output: str | None,
-    report: str | None,
-    figure: str | None = None,
-    width: float = 0.0,
-) -> None:
+def show_fitted(fit: "api.Fit", outputs: Outputs) -> None:
     """Write a fit, then show it: a closed pipe must not cost a result."""
+    output, report, figure = outputs.output, outputs.report, outputs.figure
     if output is not None:
         fit.save(output)
     show_fit(fit)
@@ -131,7 +139,7 @@ def show_fitted(
     if report is not None:
         fit.report(report)
     if figure is not None:
-        fit.figure(figure, width=width)
+        fit.figure(figure, width=outputs.width)
     show_files({"fit": output, "report": report, "figure": figure})
 
 

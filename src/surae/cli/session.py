@@ -1,6 +1,7 @@
 """`surae session`."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ from surae import api
 from surae.base.errors import ComputationError, InputError
 from surae.base.files import shown
 from surae.cli.grouped import Grouped
+from surae.cli.option_records import as_record
 from surae.cli.options import (
     LANGUAGE,
     MAPPING,
@@ -23,6 +25,15 @@ from surae.cli.progress import StoppedError, Work, compilation_notice, work
 from surae.cli.screen import show_files, show_line, show_table
 
 
+@dataclass(frozen=True, slots=True)
+class Page:
+    """The leg's page: in which language, against which visit, and where else it goes."""
+
+    report: str | None  #: Beside the folder of results.
+    language: str
+    before: str | None  #: Results of an earlier visit.
+
+
 @click.command("session", cls=Grouped)
 @click.argument("recordings", metavar="FILES|DIR", nargs=-1, required=True)
 @MAPPING
@@ -33,18 +44,22 @@ from surae.cli.screen import show_files, show_line, show_table
     metavar="OUT/",
     help="Folder of the fits and the report.  [default: DIR-session, beside DIR]",
 )
-@click.option("--report", metavar="R.pdf", help="Write the report here too: HTML or PDF.")
-@LANGUAGE
-@click.option("--before", metavar="DIR", help="Results of an earlier visit, to show what changed.")
+@as_record(
+    "page",
+    Page,
+    click.option("--report", metavar="R.pdf", help="Write the report here too: HTML or PDF."),
+    LANGUAGE,
+    click.option(
+        "--before", metavar="DIR", help="Results of an earlier visit, to show what changed."
+    ),
+)
 @workers_option("Fits")
 def command(
     recordings: tuple[str, ...],
     mapping: str | None,
     options: dict[str, Any],
     output: str | None,
-    report: str | None,
-    language: str,
-    before: str | None,
+    page: Page,
     workers: int | None,
     corrections: dict[str, Any],
 ) -> None:
@@ -58,12 +73,13 @@ def command(
     """
     settings = request(options)
     output = output or default_folder(recordings)
+    report, language = page.report, page.language
     if report is not None and Path(report).resolve().parent != Path(output).resolve():
         check_outputs({"--report": report}, recordings)  # OUT/ is not there yet
 
     if report is not None:
         api.check_report(report)
-    earlier = None if before is None else api.load_session(before)
+    earlier = None if page.before is None else api.load_session(page.before)
 
     with work() as progress:
         progress.describe("reading and sorting the trials")

@@ -1,16 +1,31 @@
 """Options that `surae serve` and `surae live` share."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import click
 
+from surae.cli.option_records import as_record
+
 F = TypeVar("F", bound=Callable[..., Any])
 
 
+@dataclass(frozen=True, slots=True)
+class Listening:
+    """Where a server listens and who may ask, as it was given."""
+
+    host: str
+    port: int
+    token: str | None
+    open_browser: bool
+
+
 def server_options(port: int) -> Callable[[F], F]:
-    """Where a server listens and who may ask: `host`, `port`, `token`, `open_`."""
-    options = (
+    """Where a server listens and who may ask, as one argument `listening`."""
+    return as_record(
+        "listening",
+        Listening,
         click.option(
             "--host",
             default="127.0.0.1",
@@ -33,12 +48,7 @@ def server_options(port: int) -> Callable[[F], F]:
             help="What a browser must know; in the list of processes others see it, in "
             "the environment, as SURAE_TOKEN, not.  [default: made where needed]",
         ),
-        click.option("--open/--no-open", "open_", default=True, help="Show it in the browser."),
+        click.option(
+            "--open/--no-open", "open_browser", default=True, help="Show it in the browser."
+        ),
     )
-
-    def decorate(function: F) -> F:
-        for option in reversed(options):
-            function = option(function)
-        return function
-
-    return decorate

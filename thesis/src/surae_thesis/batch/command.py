@@ -2,6 +2,7 @@
 
 import json
 import time
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +12,7 @@ import click
 from surae import api
 from surae.base.errors import ComputationError, InputError
 from surae.base.files import shown
+from surae.cli.option_records import as_record
 from surae.cli.options import DASK, MAPPING, corrections, settings_options, workers_option
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
@@ -23,22 +25,72 @@ if TYPE_CHECKING:
 _MODELS = "1.0,2.0,2.1,2.2"
 
 
+@dataclass(frozen=True, slots=True)
+class Fits:
+    """What is fitted."""
+
+    models: str
+    fixed_set: tuple[str, ...]
+    only: str | None
+    sessions: bool
+
+    def __post_init__(self) -> None:
+        if self.only and self.sessions:
+            raise InputError(f"--only {self.only} is of single recordings; leave out --sessions")
+
+
+@dataclass(frozen=True, slots=True)
+class Places:
+    """Where what comes of it goes."""
+
+    store: str
+    output: str
+    keep: str | None
+
+    @property
+    def fits(self) -> str:
+        """Where every FIT.json goes."""
+        return self.keep or str(Path(self.output, "fits"))
+
+
+@dataclass(frozen=True, slots=True)
+class Cores:
+    """What the fits run on."""
+
+    workers: int | None
+    dask: str | None  #: A scheduler's address.
+
+
 @click.command("batch")
 @click.argument("recordings", metavar="FILES|DIR…", nargs=-1, required=True)
 @MAPPING
 @corrections
-@click.option(
-    "--models",
-    default=_MODELS,
-    show_default=True,
-    metavar="LIST",
-    help="By the thesis's number or by name, auto too.",
-)
-@click.option(
-    "--fixed-set",
-    multiple=True,
-    metavar="NAME=VALUE,…",
-    help="Fit again with these fixed, as beta=1,m=2; may be repeated.",
+@as_record(
+    "fits",
+    Fits,
+    click.option(
+        "--models",
+        default=_MODELS,
+        show_default=True,
+        metavar="LIST",
+        help="By the thesis's number or by name, auto too.",
+    ),
+    click.option(
+        "--fixed-set",
+        multiple=True,
+        metavar="NAME=VALUE,…",
+        help="Fit again with these fixed, as beta=1,m=2; may be repeated.",
+    ),
+    click.option(
+        "--only",
+        type=click.Choice(["spectra", "snsem"]),
+        help="Spectra of repetitions, without a fit; or fits and snSEM, without predictions.",
+    ),
+    click.option(
+        "--sessions",
+        is_flag=True,
+        help="Fit all recordings of a subject as one session: each, and all together.",
+    ),
 )
 @click.option(
     "--name",
@@ -47,39 +99,26 @@ _MODELS = "1.0,2.0,2.1,2.2"
     help="How paths are named, as {subject}/{protocol}-{repetition}.  "
     "[default: subject first, repetition last, between / or _]",
 )
-@click.option(
-    "--only",
-    type=click.Choice(["spectra", "snsem"]),
-    help="Spectra of repetitions, without a fit; or fits and snSEM, without predictions.",
-)
 @settings_options(*api.FIT_RECORDS[:-1])
-@click.option("--store", required=True, metavar="B.db", help="Keeps every finished fit.")
-@click.option("--output", required=True, metavar="OUT/", help="Folder of tables and page.")
-@click.option(
-    "--keep",
-    metavar="FITS/|URL",
-    help="Where every FIT.json goes, as s3://bucket/fits too.  [default: OUT/fits]",
+@as_record(
+    "places",
+    Places,
+    click.option("--store", required=True, metavar="B.db", help="Keeps every finished fit."),
+    click.option("--output", required=True, metavar="OUT/", help="Folder of tables and page."),
+    click.option(
+        "--keep",
+        metavar="FITS/|URL",
+        help="Where every FIT.json goes, as s3://bucket/fits too.  [default: OUT/fits]",
+    ),
 )
-@click.option(
-    "--sessions",
-    is_flag=True,
-    help="Fit all recordings of a subject as one session: each, and all together.",
-)
-@workers_option("Fits", many="one for each core")
-@DASK
+@as_record("cores", Cores, workers_option("Fits", many="one for each core"), DASK)
 def command(
     recordings: tuple[str, ...],
     mapping: str | None,
-    models: str,
-    fixed_set: tuple[str, ...],
+    fits: Fits,
     name: str,
-    only: str | None,
-    store: str,
-    output: str,
-    keep: str | None,
-    sessions: bool,
-    workers: int | None,
-    dask: str | None,
+    places: Places,
+    cores: Cores,
     options: dict[str, Any],
     corrections: dict[str, Any],
 ) -> None:
@@ -97,26 +136,25 @@ def command(
 
     if "model" in options:
         raise InputError("--model names one; give --models, as --models 1.0,2.1,auto")
-    chosen = [model.strip() for model in models.split(",") if model.strip()]
-    settings = table.settings_of(chosen, fixed_set, options)
-    engine = api.engine_of(dask, workers)
-    make_folder(Path(output))
-    check_outputs({"--store": store}, [])
+    chosen = [model.strip() for model in fits.models.split(",") if model.strip()]
+    settings = table.settings_of(chosen, fits.fixed_set, options)
+    engine = api.engine_of(cores.dask, cores.workers)
+    make_folder(Path(places.output))
+    check_outputs({"--store": places.store}, [])
     found = files.find_trials(recordings, mapping, name)
     read = {"mapping": mapping, "corrections": json.dumps(corrections, sort_keys=True)}
-    place = check_place(keep or str(Path(output, "fits")))
-    if only and sessions:
-        raise InputError(f"--only {only} is of single recordings; leave out --sessions")
+    place = check_place(places.fits)
+    only, sessions = fits.only or "", fits.sessions
     wanted = {} if only == "spectra" else settings
-    batch = plan.Batch(found, wanted, read, place=place, sessions=sessions, only=only or "")
+    batch = plan.Batch(found, wanted, read, place=place, sessions=sessions, only=only)
     subjects, protocols = ({getattr(t, of) for t in found} for of in ("subject", "protocol"))
-    fits = len(subjects if sessions else found) * len(batch.settings)
+    count = len(subjects if sessions else found) * len(batch.settings)
     show_line(
         f"{len(found)} recordings of {len(subjects)} subjects, protocols: "
-        f"{', '.join(sorted(protocols))}; {fits} {'sessions' if sessions else 'fits'}"
+        f"{', '.join(sorted(protocols))}; {count} {'sessions' if sessions else 'fits'}"
     )
     begin = time.perf_counter()
-    with table.BatchStore(store, write=True) as opened:
+    with table.BatchStore(places.store, write=True) as opened:
         try:
             with work() as progress, compilation_notice():
                 now = table.run_batch(batch, opened, engine, partial(progress.parts, "fits"))
@@ -127,7 +165,7 @@ def command(
                 "command to go on"
             ) from None
         show_line(f"all there; {now:,} computed now in {time.perf_counter() - begin:.0f} s")
-        worked = _written(opened, Path(output), sessions=sessions, only=only or "")
+        worked = _written(opened, Path(places.output), sessions=sessions, only=only)
     if not worked:
         raise ComputationError("every fit failed, so the batch says nothing; the tables say why")
 

@@ -6,7 +6,7 @@ import click
 
 from surae.base.errors import InputError
 from surae.base.files import read_bytes
-from surae_workbench.options import server_options
+from surae_workbench.options import Listening, server_options
 
 _MIB = 2**20
 
@@ -31,13 +31,10 @@ _MIB = 2**20
 )
 def command(
     project: str,
-    host: str,
-    port: int,
-    token: str | None,
+    listening: Listening,
     token_file: str | None,
     workers: int | None,
     max_upload: int,
-    open_: bool,
 ) -> None:
     """Open the workbench: a web page on this computer, over the project in a folder.
 
@@ -45,6 +42,7 @@ def command(
     is sent to the network. Ctrl-C ends it; what is complete is kept.
     """
     os.environ.pop("SURAE_TOKEN", None)  # no worker needs it
+    token = listening.token
     if token_file is not None:
         token = read_bytes(token_file, 4096).decode("utf-8", "replace").strip()
     if token is not None and len(token) < 8:
@@ -55,7 +53,7 @@ def command(
 
     serve(
         project,
-        Address(host, port, token, open_),
+        Address(listening.host, listening.port, token, listening.open_browser),
         workers=workers or max(1, (os.cpu_count() or 2) - 1),
         upload_bytes=max_upload * _MIB,
     )
