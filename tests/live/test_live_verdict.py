@@ -13,6 +13,8 @@ from streaming import Quick, described, waited
 
 import surae
 from perturbed_ankle import Ankle
+from relaxed_ankle import Ankle as RelaxedAnkle
+from relaxed_ankle import measured as at_rest
 from surae.api import words_in
 from surae.base.errors import InputError
 from surae.base.names import LANGUAGES
@@ -361,6 +363,38 @@ def test_what_stretches_will_tell_is_what_expect_says(short) -> None:
     told = short.tells()
     assert any("reflex of 10 % would be seen" in line for line in told)
     assert told == tells(str(short._file))
+
+
+def passive(tmp_path, leg=RelaxedAnkle(), **changes) -> dict:
+    """What is said of a relaxed trial."""
+    columns = {"time_s": channel(made := at_rest(leg, 1, **changes), "angle").time}
+    columns |= {"angle_rad": channel(made, "angle").values}
+    columns |= {"torque_Nm": channel(made, "torque").values}
+    columns |= {f"emg_{m}_V": channel(made, f"emg_{m}").values for m in ("ta", "gl", "sol", "gm")}
+    write_csv(tmp_path / "passive.csv", columns)
+    return judge(str(tmp_path / "passive.csv"), str(tmp_path / "p.h5"), instructed="passive")
+
+
+def channel(recording, role):
+    return recording.channels[role]
+
+
+def test_a_relaxed_trial_is_judged_by_its_curve_and_says_how_stiff_the_leg_is(tmp_path) -> None:
+    """A tissue with a steep toe is none of a model's, and no reason to measure it again."""
+    said_ = passive(tmp_path, RelaxedAnkle(toe=0.0, stiff=0.8))
+    assert (said_["verdict"], said_["grade"], said_["reasons"]) == ("keep", "adequate", [])
+    assert "end_stiffness" not in said_["leg"][0]
+    assert "Nm/°" in said_["leg"][0]
+    for language in LANGUAGES[1:]:
+        assert said_["translated"][language]["leg"][0] != said_["leg"][0]
+
+
+def test_a_relaxed_trial_with_a_torque_that_no_electrode_shows_is_looked_at(tmp_path) -> None:
+    time_ = at_rest().channels["angle"].time
+    beside = 6.0 * (np.sin(0.7 * time_) ** 8)
+    said_ = passive(tmp_path, beside=beside)
+    assert said_["verdict"] == "look"
+    assert said_["grade"] == "doubtful"
 
 
 def test_a_perturbed_trial_is_kept_for_what_it_is(tmp_path) -> None:

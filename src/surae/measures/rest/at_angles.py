@@ -24,7 +24,7 @@ ON_ITS_WAY = 10.0
 #: What the equations leave out of a slope, whatever its size, one standard deviation [Nm/deg]: half
 #: of what the foot's weight turns at −25°. Set on five virtual legs of surae's own, whose stiffness
 #: there came out 0.007 to 0.02 too low; nowhere else it matters.
-_SLOPE = 0.01
+_SLOPE = 0.0125
 _SEED = 11
 
 

@@ -140,7 +140,7 @@ def values_of_rest(
     """
     return (
         *at_angles(curve, legs, angles),
-        *over_range(curve, legs, curve.moved, 1.0),
+        *over_range(curve, legs, curve.moved, legs.zero),
         *at_torques(curve, legs),
         *over_time(curve, legs, curve.moved),
     )

@@ -34,6 +34,8 @@ if TYPE_CHECKING:
 
 #: The model of the first answer: it takes a second. What is identified, the second answer says.
 _QUICK = FitSettings.of("muscle", starts=3)
+#: Angles at which a trial's or a leg's measures are read [deg].
+_ANGLES = (0.0, 10.0)
 #: What is said first of a leg.
 _HEADLINES = (
     "end_stiffness",
@@ -176,12 +178,39 @@ def judge(
                 "vaf": quick.vaf,
                 "reasons": list(dict.fromkeys(reason.plain for reason in against)),
             }
+    rests = effort == "passive" and judgement["grade"] is not None
+    rest = relaxed_of(recording) if rests else None
+    if rest is not None:
+        judgement |= by_rest(rest)
     advised = decided(quality, judgement, wrong)
-    others = (api.words_in(language) for language in LANGUAGES if language != "en")
-    return judgement | {
-        "verdict": advised.verdict,
-        "advice": advised.said(api.words_in("en")),
-        "translated": {_.language: {"advice": advised.said(_)} for _ in others},
+    told = {
+        _.language: {"advice": advised.said(_), "leg": of_leg(rest.measures, _) if rest else []}
+        for _ in map(api.words_in, LANGUAGES)
+    }
+    return judgement | {"verdict": advised.verdict, **told.pop("en"), "translated": told}
+
+
+def relaxed_of(recording: Recording) -> api.Relaxed | None:
+    """What a relaxed trial says of the leg by itself and without a model; None: nothing."""
+    try:
+        found = api.relaxed(recording, angles=_ANGLES)
+    except SuraeError:
+        return None
+    told = any(m.value is not None for m in found.measures.values())
+    return found if told else None
+
+
+def by_rest(found: api.Relaxed) -> dict[str, Any]:
+    """Grade and reasons of a relaxed trial: its curve’s, whatever a model of muscles says of it.
+
+    A leg whose tissue no model has would else be measured again and again. A curve that is doubted
+    asks for no repetition: what was met is to be looked at.
+    """
+    adequate = found.curve.grade == "adequate"
+    return {
+        "grade": str(found.curve.grade),
+        "reasons": [] if adequate else [str(found.findings[0])],
+        "against_rest": None if adequate else found.findings[0],
     }
 
 
@@ -216,6 +245,8 @@ def decided(quality: Quality, judgement: Mapping[str, Any], wrong: str | None = 
         return Advised("look", warnings[0])
     if wrong is not None:
         return Advised("look", Message(wrong))
+    if (met := judgement.get("against_rest")) is not None:
+        return Advised("look", _message(met))
     remark = Message(_OPEN, what=reasons) if reasons else reasons
     if judgement.get("effort") == "maximal":
         remark = Message(_REFERENCE)
@@ -303,14 +334,16 @@ def together(
     """
     fit = _session(recordings, efforts).fit()
     fit.save(output)
-    measures = fit.measures(angles=(0.0, 10.0))
     known = fit.adequacy.grade != "inadequate"
+    measures = fit.measures(angles=_ANGLES)
+    # what rest tells no model of muscles spoils
+    told = {name: m for name, m in measures.items() if known or m.basis == "rest"}
     next_ = _next(fit, target, device, span)
     return {
         "translated": {
             _.language: {
                 "reasons": [*dict.fromkeys(_(reason.plain) for reason in fit.adequacy.against)],
-                "leg": of_leg(measures, _) if known else [],
+                "leg": of_leg(told, _),
                 "next": _next_in(next_, _),
                 "gains": [_(sentence) for sentence in next_["next"]],
             }
@@ -319,7 +352,7 @@ def together(
         "grade": fit.adequacy.grade,
         "vaf": fit.vaf,
         "reasons": list(dict.fromkeys(reason.plain for reason in fit.adequacy.against)),
-        "leg": of_leg(measures, api.words_in("en")) if known else [],
+        "leg": of_leg(told, api.words_in("en")),
         "parameters": [_row(name, p) for name, p in fit.parameters.items()],
         "measures": [{**_row(name, m), "meaning": m.meaning} for name, m in measures.items()],
         **next_,
