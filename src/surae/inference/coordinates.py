@@ -1,12 +1,14 @@
 """What a search moves: parameters as they are or on a logarithm, with bounds and priors."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
 from surae.base.units import FloatArray
 from surae.inference.least_squares.residuals import valleys_among
+from surae.inference.metres import OwnMetres
 from surae.inference.problem import FitProblem
 from surae.model.laboratory import EACH_TRIAL, GROUPS
 from surae.model.registry import PARAMETERS
@@ -44,6 +46,8 @@ class Coordinates:
         self._lower = problem.lower[own]
         self._upper = problem.upper[own]
         self._log = ~straight(self.names)
+        #: Stiffness and lengths of filmed muscles are searched along the assumed path.
+        self.metres = OwnMetres.of(problem)
         #: Parameter that each coordinate is of.
         self.of = coordinates = (*self.names, *self.per_recording * several)
         #: Means and 1/sd of the priors, and bounds, of every coordinate, shape (q,).
@@ -59,6 +63,11 @@ class Coordinates:
     def start(self, values: Mapping[str, float]) -> FloatArray:
         """Coordinates of values by name, of the prior's mean where there is none."""
         z = self.mean.copy()
+        if self.metres:
+            whole = {**dict.fromkeys(self.problem.spec.names, 0.0), **values}
+            along = self.metres.assumed(np.array([whole[n] for n in self.problem.spec.names]))
+            of_assumed = dict(zip(self.problem.spec.names, along.tolist(), strict=True))
+            values = {name: of_assumed.get(name, value) for name, value in values.items()}
         for j, name in enumerate(self.names):
             if name in values:
                 z[j] = np.log(max(values[name], 1e-300)) if self._log[j] else values[name]
@@ -83,7 +92,7 @@ class Coordinates:
         if self.per_recording:
             each = self.each(z)
             values[self.own_columns] = each.mean(axis=0) if number is None else each[number]
-        return values
+        return self.metres.own(values) if self.metres else values
 
     def each(self, z: FloatArray) -> FloatArray:
         """What each recording has for itself, shape (recordings, own)."""
@@ -100,8 +109,38 @@ class Coordinates:
         return dict(zip(self.problem.spec.names, self.values(z, number).tolist(), strict=True))
 
     def scale(self, z: FloatArray) -> FloatArray:
-        """∂value/∂z of the parameters, shape (len(names),)."""
-        return np.asarray(np.exp(np.where(self._log, z[: len(self.names)], 0.0)))
+        """∂value/∂z of the parameters, each by its own, shape (len(names),)."""
+        by = np.asarray(np.exp(np.where(self._log, z[: len(self.names)], 0.0)))
+        return by * self.metres.factor(self.values(z))[self.columns] if self.metres else by
+
+    def searched(self, rows: FloatArray, z: FloatArray) -> FloatArray:
+        """Derivatives by z from those by the parameters, shape (len(names), n) each."""
+        moved = rows * self.scale(z)[:, None]
+        if self.metres:
+            for at, slopes in self.metres.by_path(self.values(z)).items():
+                moved[self.columns.index(at)] += slopes[self.columns] @ rows
+        return np.asarray(moved)
+
+    def in_metres(self, priors: Mapping[str, Gaussian], z: FloatArray) -> dict[str, Gaussian]:
+        """Priors of what is searched, in the metres of the paths at z."""
+        if not self.metres:
+            return dict(priors)
+        values = self.values(z)
+        factor = self.metres.factor(values)
+        whole = np.zeros(len(values))
+        whole[self.metres.scales] = values[self.metres.scales]
+        moved = {}
+        for name, prior in priors.items():
+            at = self.problem.spec.names.index(name)
+            if name not in self.names or at in self.metres.scales:
+                moved[name] = prior
+            elif is_straight(name):
+                whole[at] = prior.mean
+                mean = float(self.metres.own(whole)[at])
+                moved[name] = replace(prior, mean=mean, sd=float(factor[at]) * prior.sd)
+            else:
+                moved[name] = replace(prior, mean=prior.mean + float(np.log(factor[at])))
+        return moved
 
     def prior_cost(self, z: FloatArray) -> float:
         """−2 ln of the priors of z."""

@@ -218,6 +218,16 @@ def generator(
     return slopes
 
 
+def powers_of_path(group: str) -> dict[str, float]:
+    """By which power of μ each parameter of a group goes that is a length, or one over a length.
+
+    Of `length_zero`, the length at 0 rad with it, `length_at_rest`.
+    """
+    return {f"{name}_{group}": float(p) for name, p in _LENGTHS.items()} | {
+        f"length_zero_{group}": 1.0
+    }
+
+
 def films_of(group: str, names: Sequence[str]) -> tuple[str, ...]:
     """Parameters among these by which a film's changes of length differ from the group's."""
     films = (f"film_scale_{film}" for film in _FILMS[group])

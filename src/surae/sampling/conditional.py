@@ -16,6 +16,7 @@ from surae.inference.least_squares.minimise import (
     sum_of_squares,
 )
 from surae.inference.least_squares.residuals import Residuals, curved_move
+from surae.inference.metres import moved_by_film
 from surae.inference.posterior.log_posterior import LogPosterior, Point
 from surae.sampling.resumed import resumed
 
@@ -142,13 +143,24 @@ class ConditionalPosterior:
         self._stopped = stopped
         self._j = posterior.names.index(name)
         self._name = name
+        #: The path that a film tells, at which lengths that go with it are profiled.
+        self._path = dict[str, float]()
+        if path := moved_by_film(posterior.problem, name):
+            self._path[path] = result.values[path]
+            at = posterior.names.index(path)
+            lower = posterior.lower.copy()
+            upper = posterior.upper.copy()
+            lower[at] = upper[at] = mode.z[at]
+            self._posterior = self._posterior.having(lower=lower, upper=upper)
         self.evaluations = 0
-        self.limits = self._value(posterior.lower), self._value(posterior.upper)
+        ends = self._posterior.lower, self._posterior.upper
+        low, high = sorted(map(self._value, ends))
+        self.limits = low, high
         self.fit = replace(self._minimum(mode), value=result.values[name])
 
     def at(self, value: float, near: ConditionalMinimum) -> ConditionalMinimum | None:
         """The mode with the parameter at `value`, from a point of the posterior nearby."""
-        at = self._posterior.start({self._name: value})[self._j]
+        at = self._posterior.start({**self._path, self._name: value})[self._j]
         return self._searched(lambda: self._posterior.mode_at(self._j, at, near.local, **_SHORT))
 
     def free(self, near: ConditionalMinimum) -> ConditionalMinimum | None:

@@ -17,10 +17,12 @@ import numpy as np
 from surae.base.errors import ComputationError, InputError
 from surae.base.file_form import filed
 from surae.base.frozen import Comparable, read_only
+from surae.base.normal import NORMAL
 from surae.base.records import Listed
 from surae.inference import FitResult, LeastSquares
 from surae.inference.identifiability.identified import unexplained
-from surae.inference.uncertainty.arms_and_paths import arms_and_paths
+from surae.inference.metres import moved_by_film
+from surae.inference.uncertainty.arms_and_paths import arms_and_paths, widened
 from surae.inference.uncertainty.combined import information_root
 from surae.inference.uncertainty.covariance import half_width
 from surae.sampling.conditional import ConditionalMinimum, Surface, surface_of
@@ -180,9 +182,16 @@ def _with_geometry(
     result: FitResult, name: str, ends: tuple[float | None, float | None]
 ) -> tuple[float | None, float | None] | None:
     """The interval with what arms and paths may be; None where they have no part in it."""
+    path = moved_by_film(result.problem, name)
+    value = result.values[name]
+    if path and value > 0.0:  # profiled at the path that the film tells
+        at = result.problem.free.index(path)
+        solution = result.posterior
+        sd = 0.0 if solution is None else float(np.sqrt(solution.covariance[at, at]))
+        ends = widened(ends, value, NORMAL * sd)
     known = arms_and_paths(result)
     if known is None or not known.moves(name):
-        return None
+        return ends if path else None
     return known.about(name, ends)
 
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 from surae.base.errors import InputError
 from surae.base.threads import one_blas_thread
 from surae.inference import FitResult, PosteriorMode
+from surae.inference.metres import OwnMetres
 from surae.inference.posterior.empirical_bayes import NEARLY_NONE, Reached
 from surae.inference.posterior.family import RATE_HZ, Family
 
@@ -14,7 +15,9 @@ def resumed(result: FitResult) -> Reached:
     solution = result.solution
     assert isinstance(solution, PosteriorMode)
     with one_blas_thread():
-        family = Family(result.problem)
+        metres = OwnMetres.of(result.problem)
+        own = result.problem.spec.vector(result.values, result.problem.options)
+        family = Family(metres.limits(result.problem, own, back=True))
         if solution.sizes["gain"] == NEARLY_NONE["gain"]:
             family.hold_still()
         sizes = {**NEARLY_NONE, **solution.sizes}  # older fits know of no softening

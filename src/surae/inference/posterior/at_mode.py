@@ -64,6 +64,7 @@ def summed(
     contradicted = {g: c.probability for g, c in against.items() if c.probability < SAID}
     zero = against.pop(ZERO_NAME, None)
     problem = replace(post.problem, inputs=inputs)
+    problem = post.metres.limits(problem, post.values(point.z))
     change = _natural(post, point)
     shifts = _shifts(chosen, family, V, against)
     spread = {source: read_only(by @ change.T) for source, by in shifts.items() if len(by)}
@@ -94,7 +95,7 @@ def summed(
             stages=tuple(stages),
             outcome=outcome if finite else str(Outcome.NOT_FINITE),
             candidates=_candidates(chosen.sets, values),
-            beliefs=FrozenDict(post.beliefs),
+            beliefs=FrozenDict(post.in_metres(post.beliefs, point.z)),
             noise=post.noise,
             films=tuple(film.noise for each in post.latents for film in each.films),
             each=FrozenDict(
@@ -102,7 +103,9 @@ def summed(
             ),
             spread=FrozenDict(spread),
             sizes=FrozenDict(post.sizes | ({} if post.fast is None else {"drive": post.fast})),
-            population=FrozenDict({n: post.priors[n] for n in post.names if not group_of(n)}),
+            population=FrozenDict(
+                post.in_metres({n: post.priors[n] for n in post.names if not group_of(n)}, point.z)
+            ),
             recordings=_each(post, point, change) if len(inputs) > 1 else (),
             contradicted=FrozenDict(contradicted),
             gained=_gained(post, point),
@@ -204,8 +207,10 @@ def _natural(post: LogPosterior, point: Point) -> FloatArray:
     """The problem's free parameters, in their units, by what is searched, shape (p, q)."""
     free = post.problem.free
     change = np.zeros((len(free), len(point.z)))
-    for j, (name, scale) in enumerate(zip(post.names, post.scale(point.z), strict=True)):
-        change[free.index(name), j] = scale
+    count = len(post.names)
+    change[[free.index(name) for name in post.names], :count] = post.searched(
+        np.eye(count), point.z
+    ).T
     for j in range(len(post.names), len(point.z)):  # their mean
         change[free.index(post.of[j]), j] = 1.0 / len(post.problem.inputs)
     return change

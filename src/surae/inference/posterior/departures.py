@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from surae.inference.evidence import Subset, subsets, with_likely
+from surae.inference.metres import filmed_paths
 from surae.inference.noise import NoiseModel
 from surae.inference.posterior.empirical_bayes import (
     BEGIN,
@@ -124,7 +125,10 @@ def _scored(post: LogPosterior, point: Point, groups: Sequence[str]) -> tuple[Su
     """All sets of these groups, of one quadratic."""
     positions: dict[str, list[int]] = {group: [] for group in groups}
     off: dict[int, float] = {}
+    told = filmed_paths(post.problem.inputs)  # no departure: a film shows them
     for j, name in enumerate(post.names):
+        if name in told:
+            continue
         if name in post.beliefs and (group := group_of(name)) in positions:
             positions[group].append(j)
             off[j] = post.beliefs[name].off

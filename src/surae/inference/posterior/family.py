@@ -14,6 +14,7 @@ from surae.base.names import GEOMETRY_OF
 from surae.inference.coordinates import is_straight
 from surae.inference.least_squares.fit import fit_problem
 from surae.inference.least_squares.starts import Follow
+from surae.inference.metres import filmed_paths
 from surae.inference.noise import NoiseModel
 from surae.inference.population_priors import WIDENED, wide_priors
 from surae.inference.posterior.expected_drives import expected_drives
@@ -26,8 +27,8 @@ from surae.inference.result import TENDONS, FitResult
 from surae.model import get_model, with_optional
 from surae.model.laboratory import COMPLIANT, DEPARTURES, NONE, RIGID, group_of, laboratory
 from surae.model.source import Gaussian
-from surae.model.source_table import GEAR
-from surae.model.symmetry import GROUPS, bend_of_work, length_at_rest
+from surae.model.source_table import ARM_SIZE, GEAR
+from surae.model.symmetry import ARM, GROUPS, PATH, assumed_gear, bend_of_work, length_at_rest
 from surae.signals import ModelInputs, emg_levels, emg_sizes, quiet_levels, steady_emg
 from surae.signals.prepare import sharpened
 from surae.signals.resample import thinned, thinning_factor
@@ -72,6 +73,8 @@ class Family:
             and not (name == "emg_lag" and all(r.own_envelopes for r in problem.inputs))
         }
         self._beliefs |= _of_paths(self._beliefs, problem)
+        #: Paths that films tell: these are in every fit of them.
+        self._told = filmed_paths(problem.inputs)
         self._options = problem.options
         if self._options.emg_ref is None:
             self._options = replace(self._options, emg_ref=emg_levels(self.inputs))
@@ -164,7 +167,9 @@ class Family:
         beliefs = {
             name: belief
             for name, belief in self._beliefs.items()
-            if (group := group_of(name)) not in DEPARTURES or group in {*groups, *self.known}
+            if (group := group_of(name)) not in DEPARTURES
+            or group in {*groups, *self.known}
+            or name in self._told
         }
         spec = get_model(COMPLIANT)
         more = [n for n in (*beliefs, *original.spec.optional) if n not in spec.names]
@@ -242,6 +247,26 @@ def _of_paths(beliefs: Mapping[str, Gaussian], problem: FitProblem) -> dict[str,
         if length in beliefs and options.travel == "virtual-work" and not own:
             sd = GEAR.sd * abs(length_at_rest(options, group))
             priors[length] = replace(beliefs[length], sd=max(sd, beliefs[length].sd))
+    return priors | _of_films(beliefs, problem)
+
+
+def _of_films(beliefs: Mapping[str, Gaussian], problem: FitProblem) -> dict[str, Gaussian]:
+    """What is known beforehand of paths that films tell: people's gear and arm, if not their own.
+
+    ln path = ln gear + ln arm; where paths are stated, or the person's, that stays.
+    """
+    given = problem.settings.beliefs
+    stated = {} if isinstance(given, str) else given
+    own = problem.settings.geometry_of == GEOMETRY_OF[1] or {PATH, "arm"} & stated.keys()
+    priors = dict[str, Gaussian]()
+    for name in sorted(filmed_paths(problem.inputs) & beliefs.keys() - stated.keys()):
+        group = name.removeprefix(f"{PATH}_")
+        gear = assumed_gear(problem.options, group)
+        if own or not np.isfinite(gear):
+            continue
+        arm = beliefs.get(f"{ARM}_{group}", beliefs[name])
+        mean = GEAR.mean - float(np.log(gear)) + arm.mean
+        priors[name] = replace(beliefs[name], mean=mean, sd=float(np.hypot(GEAR.sd, ARM_SIZE)))
     return priors
 
 

@@ -211,15 +211,15 @@ class Observed:
         simulator, recording, latents, values = self._set(z, c, number, columns)
         with np.errstate(over="ignore", invalid="ignore"):
             tangent = simulator.tangent(values, columns, lengths=bool(latents.films))
-        scale = self._at.scale(z)[:, None]
+        of_leg = len(self._at.columns)
         n = recording.n
         q = self._q
         each = []
         for group in (None, *(film.group for film in latents.films)):
             own = tangent.jacobian if group is None else tangent.length_jacobian[group]
             rows = np.zeros((q + latents.size + 1, n))
-            rows[: len(scale)] = own[: len(scale)] * scale
-            rows[len(scale) : q] = own[len(scale) :]
+            rows[:of_leg] = self._at.searched(own[:of_leg], z)
+            rows[of_leg:q] = own[of_leg:]
             self._gain_rows(tangent.response, number, rows[q:-1], group)
             each.append(rows)
         return _Seen(tangent, values, each)

@@ -118,16 +118,7 @@ class ArmsAndPaths(Comparable):
         value = self.values[name]
         if not (self.moves(name) and value > 0.0):
             return ends
-        more = NORMAL * self.sd(name)
-        shift = self.shift(name)
-        least, most = ends
-        if least is not None and least > 0.0:
-            away = -math.log(least / value)
-            least *= math.exp(min(shift + away - math.hypot(away, more), 0.0))
-        if most is not None and most > 0.0:
-            away = math.log(most / value)
-            most *= math.exp(max(shift + math.hypot(away, more) - away, 0.0))
-        return least, most
+        return widened(ends, value, NORMAL * self.sd(name), self.shift(name))
 
     def legs(self, columns: Mapping[str, FloatArray], seed: int) -> dict[str, FloatArray]:
         """Columns of draws at the fit's arms and paths, moved to such as may be."""
@@ -141,6 +132,20 @@ class ArmsAndPaths(Comparable):
                     logs[p] += sd * scores
         changed = self.moved({**columns, **logs})
         return {name: changed.get(name, own) for name, own in columns.items()}
+
+
+def widened(
+    ends: tuple[float | None, float | None], value: float, more: float, shift: float = 0.0
+) -> tuple[float | None, float | None]:
+    """An interval of a `value` with `more` to both sides, on a logarithm, as far as it holds."""
+    least, most = ends
+    if least is not None and least > 0.0:
+        away = -math.log(least / value)
+        least *= math.exp(min(shift + away - math.hypot(away, more), 0.0))
+    if most is not None and most > 0.0:
+        away = math.log(most / value)
+        most *= math.exp(max(shift + math.hypot(away, more) - away, 0.0))
+    return least, most
 
 
 def arms_and_paths(result: FitResult) -> ArmsAndPaths | None:
