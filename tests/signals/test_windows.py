@@ -8,7 +8,8 @@ import pytest
 from surae import api
 from surae.recording import Channel, Recording
 from surae.settings import FitSettings
-from surae.signals.windows import FAMILY, ONE, parted, thinned
+from surae.signals import ModelInputs, inputs_as_given
+from surae.signals.windows import FAMILY, LEAD_S, ONE, parted, prepared_parts
 
 
 def long(seconds, rate=50.0, moving=()):
@@ -28,37 +29,86 @@ def long(seconds, rate=50.0, moving=()):
     return Recording("long", channels)
 
 
+def as_given(parts) -> tuple[ModelInputs, ...]:
+    """Recordings as model inputs, nothing filtered."""
+    made = []
+    for each in parts:
+        channels = each.channels
+        time = channels["angle"].time
+        still = np.zeros(len(time))
+        emg = np.column_stack([channels[f"emg_{m}"].values for m in ("ta", "gl", "sol", "gm")])
+        motion = channels["angle"].values, still, still
+        torque = channels["torque"].values
+        made.append(inputs_as_given(each.name, 50.0, time, motion, emg, torque=torque))
+    return tuple(made)
+
+
+def fitted(recording, *, family):
+    """A recording as it is fitted."""
+    (made,) = prepared_parts([recording], as_given, family=family)
+    return made
+
+
 @pytest.mark.parametrize(("family", "limits"), [(True, FAMILY), (False, ONE)])
 def test_windows_are_where_much_moves_one_in_each_part(family, limits) -> None:
     longest, count, seconds = limits
     total = 2.0 * longest
-    wanted = [(i + 0.5) * total / count for i in range(count)]
+    wanted = [(i + 0.25) * total / count for i in range(count)]
     recording = long(total, moving=[(w, w + seconds) for w in wanted])
-    windows = thinned([recording], family)
-    begins = [each.channels["angle"].time[0] for each in windows]
-    assert len(windows) == count
+    made = fitted(recording, family=family)
+    spans = made.name.removeprefix("long, ").removesuffix(" s").split(", ")
+    begins = [float(span.split(" to ")[0]) for span in spans]
     np.testing.assert_allclose(begins, wanted, atol=6.0)
-    for each, begin in zip(windows, begins, strict=True):
-        time = each.channels["angle"].time
-        assert time[-1] - time[0] == pytest.approx(seconds, abs=0.1)
-        assert f"long, {begin:.0f} to {begin + seconds:.0f} s" == each.name
+    for i, begin in enumerate(begins):
+        assert spans[i] == f"{begin:.0f} to {begin + seconds:.0f}"
     torque = replace(
         recording.channels["torque"], values=np.zeros(recording.channels["torque"].time.size)
     )
     other = replace(recording, channels={**recording.channels, "torque": torque})
-    assert [each.name for each in thinned([other], family)] == [each.name for each in windows]
+    assert fitted(other, family=family).name == made.name
+
+
+@pytest.mark.parametrize("seconds", [301.0, 307.0, 420.0, 3600.0])
+def test_windows_never_overlap_and_are_as_long_as_the_longest_whole(seconds) -> None:
+    recording = long(seconds, moving=[(200.0, 290.0)])
+    made = fitted(recording, family=True)
+    signal = recording.channels["torque"].values
+    counted = np.flatnonzero(np.isin(signal, made.torque[made.counts]))  # each is found once
+    assert made.counted / 50.0 == pytest.approx(FAMILY[0], abs=0.5)
+    assert len(counted) == made.counted
+    np.testing.assert_allclose(np.diff(made.time), 0.02, atol=1e-9)
+    assert any("one after another" in str(step) for step in made.steps)
+
+
+def test_what_lies_before_a_window_is_simulated_and_does_not_count() -> None:
+    made = fitted(long(3600.0, moving=[(0.0, 3600.0)]), family=True)
+    begins = np.flatnonzero(np.diff(made.counts.astype(int)) == 1) + 1
+    ends = np.flatnonzero(np.diff(made.counts.astype(int)) == -1)
+    assert len(ends) == FAMILY[1]
+    for begin, end in zip(begins[-3:], ends[:3], strict=True):
+        assert begin - end >= LEAD_S * 50.0
+
+
+def test_model_inputs_of_an_hour_are_read_by_the_same_windows() -> None:
+    recording = long(3600.0, moving=[(100.0, 3000.0)])
+    (inputs,) = as_given([recording])
+    (made,) = prepared_parts([inputs], tuple, family=True)
+    other = fitted(recording, family=True)
+    assert made.name == other.name
+    np.testing.assert_array_equal(made.torque, other.torque)
+    np.testing.assert_array_equal(made.weight, other.weight)
 
 
 def test_what_is_not_long_is_left_whole() -> None:
-    short = long(FAMILY[0] - 1.0)
-    assert thinned([short, short], True) == (short, short)
-    assert thinned([long(FAMILY[0] + 10.0)], False)[0].name == "long"
+    (inputs,) = as_given([long(FAMILY[0] - 1.0)])
+    assert prepared_parts([inputs, inputs], tuple, family=True) == (inputs, inputs)
+    assert fitted(long(FAMILY[0] + 10.0), family=False).name == "long"
 
 
 def test_a_fit_names_its_windows() -> None:
-    inputs = api.inputs_for(FitSettings.of("muscle"), [long(ONE[0] + 100.0, rate=200.0)])
-    assert len(inputs) == ONE[1]
-    assert all(" to " in each.name for each in inputs)
+    (inputs,) = api.inputs_for(FitSettings.of("muscle"), [long(ONE[0] + 100.0, rate=200.0)])
+    assert inputs.name.count(" to ") == ONE[1]
+    assert inputs.counted / inputs.rate_hz == pytest.approx(ONE[0], abs=1.0)
 
 
 def with_gap(begin, end, *roles):

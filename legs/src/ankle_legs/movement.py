@@ -22,6 +22,16 @@ def _smooth(u: Array) -> Array:
     return np.asarray(u**3 * (10 - 15 * u + 6 * u**2))
 
 
+def _between(times: Array, begin: float, end: float) -> tuple[slice, slice]:
+    """Return the samples from a time to another, with one more at either end, and those behind.
+
+    A step of all samples, of which there are hundreds in an hour, would take its square.
+    """
+    first, last = np.searchsorted(times, (begin, end))
+    last = min(int(last) + 2, times.size)
+    return slice(max(int(first) - 1, 0), last), slice(last, None)
+
+
 class _Course:
     """An angle that is being made up, from one target to the next."""
 
@@ -34,9 +44,15 @@ class _Course:
 
     def go(self, target: float, seconds: float) -> None:
         """Go to a target, without a jerk's jump."""
-        away = (target - self.here) * _smooth((self.times - self.now) / seconds)
-        self.angle = self.angle + away
+        moving, later = self._while(seconds)
+        away = target - self.here
+        self.angle[moving] += away * _smooth((self.times[moving] - self.now) / seconds)
+        self.angle[later] += away
         self.here, self.now = target, self.now + seconds
+
+    def _while(self, seconds: float) -> tuple[slice, slice]:
+        """Return the samples of so long from now on, and those that follow."""
+        return _between(self.times, self.now, self.now + seconds)
 
     def wait(self, least: float, most: float) -> None:
         """Stay for a while."""
@@ -90,10 +106,11 @@ class _Course:
         self.go(self.low + float(self.rng.uniform(0.4, 0.65)) * self.span, 1.2)
         seconds = 8.0
         first, last = float(self.rng.uniform(0.1, 0.3)), float(self.rng.uniform(1.0, 1.7))
-        u = np.clip(self.times - self.now, 0, seconds)
+        moving, _ = self._while(seconds)
+        u = np.clip(self.times[moving] - self.now, 0, seconds)
         phase = 2 * np.pi * (first * u + (last - first) * u**2 / (2 * seconds))
         fade = _smooth(u / 0.8) * _smooth((seconds - u) / 0.8)
-        self.angle = self.angle + reach * fade * np.sin(phase)
+        self.angle[moving] += reach * fade * np.sin(phase)
         self.now += seconds
 
     def mixed(self) -> None:
@@ -146,18 +163,20 @@ def effort(rng: np.random.Generator, times: Array, kind: str) -> Array:
     while now < end - 1:
         seconds, size = float(rng.uniform(0.7, 2.4)), float(rng.uniform(0.25, 1.0))
         rise, fall = rng.uniform(0.12, 0.4, 2)
-        shape = _smooth((times - now) / rise) * _smooth((now + seconds - times) / fall)
+        at, _ = _between(times, now, now + seconds)
+        own = times[at]
+        shape = _smooth((own - now) / rise) * _smooth((now + seconds - own) / fall)
         wobble = 1 + rng.uniform(0, 0.25) * np.sin(
-            2 * np.pi * rng.uniform(0.4, 1.5) * times + rng.uniform(0, 6)
+            2 * np.pi * rng.uniform(0.4, 1.5) * own + rng.uniform(0, 6)
         )
         shares = np.array([0.2, 0.55, 0.25]) * np.exp(0.4 * rng.normal(size=3))
         shares /= shares.sum()
         both = rng.random() < 0.2
         if group == 1 or both:
-            level[0] += size * (0.4 if both and group == 0 else 1) * shape * wobble
+            level[0, at] += size * (0.4 if both and group == 0 else 1) * shape * wobble
         if group == 0 or both:
             burst = size * (0.4 if both and group == 1 else 1) * shape * wobble
-            level[1:] += shares[:, None] * burst
+            level[1:, at] += shares[:, None] * burst
         if rng.random() < 0.85:
             group = 1 - group
         now += seconds + float(rng.uniform(0.2, 1.2))

@@ -26,7 +26,7 @@ from surae.quality.used import used
 from surae.recording import Recording
 from surae.settings import FIT_RECORDS, FitSettings
 from surae.signals import ModelInputs, Weighting
-from surae.signals.windows import parted, thinned
+from surae.signals.windows import prepared_parts
 
 if TYPE_CHECKING:
     from surae.api.keywords import FitKeywords
@@ -126,8 +126,8 @@ def inputs_for(
 ) -> Sequence[ModelInputs]:
     """What settings make of recordings; an error says too what is wrong with their units.
 
-    One with gaps is fitted in parts, and one that lasts very long thinned to windows, each of them
-    inputs of their own; see `surae.signals.windows`.
+    One with gaps is fitted in parts, each of them inputs of its own, and one that lasts very long
+    is thinned to windows, which stay one; see `surae.signals.windows`.
 
     Raises
     ------
@@ -141,8 +141,11 @@ def inputs_for(
                 "fitted; use surae impedance, which tells tissue from reflex"
             )
     try:
-        parts = thinned(parted(recordings), settings.model == AUTO)
-        return settings.inputs(parts, mvc)
+        return prepared_parts(
+            recordings,
+            lambda parts: settings.inputs(parts, mvc),
+            family=settings.model == AUTO,
+        )
     except InputError as error:
         raise explained(error, recordings) from None
 

@@ -91,7 +91,7 @@ def command(
         )
 
         inputs = api.inputs_for(settings, measured, contractions)
-        if len(inputs) > len(measured):
+        if [each.name for each in inputs] != [each.name for each in measured]:
             windows = "; ".join(each.name for each in inputs)
             click.echo(f"surae: not all of a recording is fitted, but {windows}", err=True)
 

@@ -100,7 +100,9 @@ def noise_behind(residual: FloatArray, taken: FloatArray, lags: int) -> NoiseMod
     n = len(residual)
     size = next_fast_len(2 * n, real=True)
     left = np.abs(np.fft.rfft(residual, size)) ** 2
-    part = (np.abs(np.fft.rfft(taken, size, axis=1)) ** 2).sum(axis=0)
+    part = np.zeros(len(left))
+    for row in taken:  # all their spectra at once would be twice as large as they
+        part += np.abs(np.fft.rfft(row, size)) ** 2
     power = left
     for _ in range(_ROUNDS):
         model = autoregressive(np.fft.irfft(power, size)[: lags + 1] / n, n)

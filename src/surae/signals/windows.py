@@ -1,22 +1,35 @@
 """What of a recording is fitted: its parts between gaps, and of a long one windows.
 
-Each is fitted as a recording of its own, jointly with the others, and named by its times.
+Parts are fitted as recordings of their own, jointly, and named by their times. Windows stay one
+recording, with one zero and one leg: they follow one another, and what lies before and behind each
+does not count.
 """
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 
+from surae.base.frozen import read_only
 from surae.base.units import FloatArray
+from surae.base.words import Message
 from surae.recording import MUSCLES, Recording
-from surae.signals.inputs import ModelInputs
+from surae.signals.inputs import Film, ModelInputs
 from surae.signals.timebase import GAP_STEPS
 
-#: A recording that lasts longer [s] is thinned to so many windows of that length [s]: for a family
-#: of models, whose fit takes a hundred times as long as a named one's, and for one model.
-FAMILY = (300.0, 3, 20.0)
-ONE = (900.0, 10, 60.0)
+#: A recording that lasts longer [s] is thinned to so many windows of that length [s], together as
+#: long as the longest that is read whole, so that more seconds never tell less: for a family of
+#: models, whose fit takes a hundred times as long as a named one's, and for one model.
+FAMILY = (300.0, 4, 75.0)
+ONE = (900.0, 10, 90.0)
+#: So long before a window [s] the model begins, which tissue and muscles remember, and so long
+#: behind it filters look ahead.
+LEAD_S = 8.0
+_BEHIND_S = 1.0
+#: What model inputs have at each sample.
+_ROWS = ("angle", "velocity", "acceleration", "emg", "torque")
 #: Where samples are missing for so long [s], a recording is in parts; shorter ones tell nothing.
 _GAP = 0.05
 _SHORTEST = 3.0
@@ -52,29 +65,129 @@ def _pieces(recording: Recording) -> list[tuple[float, float]]:
     return pieces
 
 
-def thinned(
-    recordings: Sequence[Recording | ModelInputs], family: bool
-) -> tuple[Recording | ModelInputs, ...]:
-    """Recordings, a long one as windows of it.
+Prepare = Callable[[Sequence[Recording | ModelInputs]], Sequence[ModelInputs]]
+
+
+def prepared_parts(
+    recordings: Sequence[Recording | ModelInputs], prepare: Prepare, *, family: bool
+) -> tuple[ModelInputs, ...]:
+    """What a fit reads of recordings: their parts between gaps, windows of long ones joined.
+
+    `prepare` makes model inputs of all of them at once, as many as it is given.
+    """
+    each = [_thinned(part, *(FAMILY if family else ONE)) for part in parted(recordings)]
+    made = iter(prepare([window for own in each for window in own.windows]))
+    return tuple(own.joined([next(made) for _ in own.windows]) for own in each)
+
+
+@dataclass(frozen=True, slots=True)
+class _Thinned:
+    """A recording, or windows of a long one with what lies around them."""
+
+    name: str
+    windows: tuple[Recording | ModelInputs, ...]
+    spans: tuple[tuple[float, float], ...] = ()  #: Those that count [s]; none: all of one.
+    seconds: float = 0.0  #: How long the recording lasts.
+
+    def joined(self, prepared: Sequence[ModelInputs]) -> ModelInputs:
+        """The windows as one recording, whose time runs on from one to the next."""
+        first = prepared[0]
+        if not self.spans:
+            return first
+        n = sum(own.n for own in prepared)
+        time = first.time[0] + np.arange(n) / first.rate_hz
+        starts = time[np.cumsum([0, *(own.n for own in prepared[:-1])])]
+        later = [start - own.time[0] for start, own in zip(starts, prepared, strict=True)]
+        rows: dict[str, Any] = {
+            name: read_only(np.concatenate([getattr(own, name) for own in prepared]))
+            for name in _ROWS
+            if getattr(first, name) is not None
+        }
+        told = Message("made/windows", windows=_spans(self.spans), minutes=self.seconds / 60.0)
+        return replace(
+            first,
+            **rows,
+            name=f"{self.name}, {_spans(self.spans)}",
+            time=read_only(time),
+            weight=read_only(np.concatenate(list(map(_within, prepared, self.spans)))),
+            emphasised=any(own.emphasised for own in prepared),
+            second=tuple(
+                read_only(np.concatenate(each))
+                for each in zip(*(own.second for own in prepared), strict=True)
+            ),
+            films=_films(prepared, later),
+            rectified=tuple(np.mean([own.rectified for own in prepared], axis=0).tolist()),
+            emg_lost=max(own.emg_lost for own in prepared),
+            effort=None,
+            steps=(*first.steps, told),
+        )
+
+
+def _spans(spans: Sequence[tuple[float, float]]) -> str:
+    return ", ".join(f"{begin:.0f} to {end:.0f}" for begin, end in spans) + " s"
+
+
+def _within(prepared: ModelInputs, span: tuple[float, float]) -> FloatArray:
+    """What each sample of a window counts: none of what lies around it."""
+    inside = (prepared.time >= span[0]) & (prepared.time <= span[1])
+    return np.where(inside, prepared.weights, 0.0)
+
+
+def _films(prepared: Sequence[ModelInputs], later: Sequence[float]) -> tuple[Film, ...]:
+    """The films of windows, each so much `later` [s]."""
+    channels = dict.fromkeys(film.channel for own in prepared for film in own.films)
+    made = []
+    for channel in channels:
+        own = [
+            (film.time + by, film.length)
+            for window, by in zip(prepared, later, strict=True)
+            for film in window.films
+            if film.channel == channel
+        ]
+        time, length = (read_only(np.concatenate(each)) for each in zip(*own, strict=True))
+        made.append(Film(channel, time, length))
+    return tuple(made)
+
+
+def _thinned(
+    recording: Recording | ModelInputs, longest: float, count: int, seconds: float
+) -> _Thinned:
+    """A recording whole, or where it lasts longer [s] as windows of it.
 
     Each of as many equal parts gives the window in which the angle and the EMG vary most, by what
-    was asked and done, not by the torque that is to be explained. The windows are fitted jointly.
+    was asked and done, not by the torque that is to be explained.
     """
-    longest, count, seconds = FAMILY if family else ONE
-    made: list[Recording | ModelInputs] = []
-    for each in recordings:
-        if isinstance(each, Recording) and "angle" in each.channels:
-            time = each.channels["angle"].time
-            if time[-1] - time[0] > longest:
-                made += liveliest(each, count, seconds)
-                continue
-        made.append(each)
-    return tuple(made)
+    moved = _moved(recording)
+    time = moved[0][0] if moved else np.zeros(1)
+    lasts = float(time[-1] - time[0])
+    if lasts <= longest:
+        return _Thinned(recording.name, (recording,))
+    spans = tuple((begin, begin + seconds) for begin in _begins(moved, count, seconds))
+    cut = recording.crop if isinstance(recording, Recording) else partial(_cropped, recording)
+    windows = tuple(cut(begin - LEAD_S, end + _BEHIND_S) for begin, end in spans)
+    return _Thinned(recording.name, windows, spans, lasts)
+
+
+def _cropped(inputs: ModelInputs, start: float, end: float) -> ModelInputs:
+    """The part of model inputs between two times [s]."""
+    inside = (inputs.time >= start) & (inputs.time <= end)
+    names = ("time", *_ROWS, "weight")
+    rows: dict[str, Any] = {
+        name: read_only(values[inside])
+        for name in names
+        if (values := getattr(inputs, name)) is not None
+    }
+    films = []
+    for film in inputs.films:
+        shown = (film.time >= start) & (film.time <= end)
+        films.append(Film(film.channel, film.time[shown], film.length[shown]))
+    second = tuple(read_only(each[inside]) for each in inputs.second)
+    return replace(inputs, **rows, second=second, films=tuple(films), effort=None)
 
 
 def liveliest(recording: Recording, count: int, seconds: float) -> list[Recording]:
     """Of each of `count` equal parts the window [s] in which the angle and the EMG vary most."""
-    begins = _begins(recording, count, seconds)
+    begins = _begins(_moved(recording), count, seconds)
     return [_window(recording, begin, begin + seconds) for begin in begins]
 
 
@@ -82,24 +195,34 @@ def _window(recording: Recording, begin: float, end: float) -> Recording:
     return replace(recording.crop(begin, end), name=f"{recording.name}, {begin:.0f} to {end:.0f} s")
 
 
-def _begins(recording: Recording, count: int, seconds: float) -> list[float]:
-    """Where the windows begin [s]."""
+#: Times [s] and values of one signal.
+_Signal = tuple[FloatArray, FloatArray]
+
+
+def _moved(recording: Recording | ModelInputs) -> list[_Signal]:
+    """The angle, then each muscle's EMG; nothing where the angle was not recorded."""
+    if isinstance(recording, ModelInputs):
+        signals = (recording.angle, *recording.emg.T)
+        return [(recording.time, values) for values in signals]
     channels = recording.channels
-    angle = channels["angle"]
-    first = float(angle.time[0])
-    last = float(angle.time[-1])
-    edges = np.arange(first, last, _PIECE)
-    score = _spread(angle.time, angle.values, edges)
-    for muscle in MUSCLES:
-        if (emg := channels.get(f"emg_{muscle}")) is not None:
-            score = score + _spread(emg.time, emg.values, edges)
-    span = round(seconds / _PIECE)
-    whole = np.convolve(score, np.ones(span), "valid")[: len(edges) - span]
-    parts = np.array_split(np.arange(len(whole)), count)
-    begins: list[float] = []
-    for part in parts:
-        free = [i for i in part if not begins or edges[i] >= begins[-1] + seconds]
-        begins.append(float(edges[max(free or part, key=lambda i: whole[i])]))
+    roles = ("angle", *(f"emg_{muscle}" for muscle in MUSCLES))
+    there = [channels[role] for role in roles if role in channels and "angle" in channels]
+    return [(channel.time, channel.values) for channel in there]
+
+
+def _begins(moved: Sequence[_Signal], count: int, seconds: float) -> list[float]:
+    """Where the windows begin [s], of the signals that move; none reaches into the next."""
+    time, _ = moved[0]
+    first = float(time[0])
+    edges = np.arange(first, float(time[-1]), _PIECE)
+    score = np.sum([_spread(*signal, edges) for signal in moved], axis=0)
+    whole = np.convolve(score, np.ones(round(seconds / _PIECE)), "valid")
+    part = (float(time[-1]) - first) / count
+    begins = []
+    for low in first + part * np.arange(count):
+        inside = np.flatnonzero((edges >= low) & (edges <= low + part - seconds))
+        inside = inside[inside < len(whole)]
+        begins.append(float(edges[max(inside, key=lambda i: whole[i])] if len(inside) else low))
     return begins
 
 

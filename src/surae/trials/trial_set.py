@@ -15,7 +15,7 @@ from surae.quality import KINDS, Quality
 from surae.recording import Recording, SourceFile
 from surae.settings import FitSettings
 from surae.signals import EmgReference, ModelInputs, emg_reference, normalised
-from surae.signals.windows import parted, thinned
+from surae.signals.windows import parted, prepared_parts
 from surae.trials.sorting import Reading, Trial
 
 
@@ -142,8 +142,8 @@ def prepared_for(
     settings: FitSettings, recording: Recording, reference: EmgReference | None
 ) -> tuple[ModelInputs, ...]:
     """What a fit reads of one trial, its EMG divided by the session's reference: parts, windows."""
-    parts = thinned(parted([recording]), settings.model == AUTO)
-    prepared = replace(settings, normalise=None).inputs(parts)
+    prepare = replace(settings, normalise=None).inputs
+    prepared = prepared_parts([recording], prepare, family=settings.model == AUTO)
     return tuple(normalised(inputs, reference) for inputs in prepared)
 
 

@@ -171,6 +171,9 @@ def learnt_noise(
         U = _taken(V, b, rows, own)
         if len(b.fast):
             U = np.concatenate([U, _drawn(rows, b.band) / np.sqrt(own.variance)])
+        if recording.weight is not None:  # what does not count has no residual, and is no noise
+            e = e[recording.counts]
+            U = U[:, recording.counts]
         model = noise_behind(e, U, 0 if white or posterior.fast else min(_ORDER, len(e) // 10))
         # samples count for as little as the slow part says, in which parameters act: a noise
         # model that is correlated itself lets the torque go where the model is wrong

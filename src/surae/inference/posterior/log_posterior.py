@@ -203,7 +203,7 @@ class LogPosterior(Coordinates):
         total = self.laplace(point).solved()[0]
         for number, b in enumerate(point.blocks):
             films = self.latents[number].films
-            counts = self.problem.inputs[number].n, *(len(film.length) for film in films)
+            counts = self.problem.inputs[number].counted, *(len(film.length) for film in films)
             total += float(np.dot(counts, np.log(self.variances(number))))
             total += b.log_width
             total -= np.linalg.slogdet(self.precisions[number])[1]

@@ -45,6 +45,7 @@ __all__ = [
     "png",
     "shade_excluded",
     "shared_legend",
+    "space",
     "svg",
     "trace",
     "write_figure",
@@ -68,6 +69,14 @@ GREY = "#a3abb5"
 #: Room [inch] for a heading and for each entry of a legend beside it.
 _HEADING = 2.0
 _ENTRY = 0.85
+#: Around panels over time [inch]: left of each, with a label of two lines and its numbers, right,
+#: above, below, and between two; from an axis to its label, below and left of it.
+_LEFT = 0.86
+_RIGHT = 0.16
+_ABOVE = 0.3
+_BELOW = 0.46
+_BETWEEN = 0.3
+_NUMBERS = (0.26, 0.5)
 #: What labels of a column ask each axis of it for.
 _ASKED = ("_update_ticks", "_get_ticklabel_bboxes")
 
@@ -77,14 +86,41 @@ def new_figure(height: float, *, width: float = WIDTH) -> Figure:
     return Figure(figsize=(width, height), layout="constrained", facecolor="white")
 
 
+def space(figure: Figure, rows: int, columns: int = 1) -> None:
+    """Lay out a grid of panels over time by margins of a fixed size; at its end.
+
+    To ask how far letters reach takes as long as to draw them: here it is known beforehand.
+    """
+    if figure.canvas.manager is not None:  # a window may get another size
+        figure.align_ylabels()
+        return
+    figure.set_layout_engine("none")
+    width, height = figure.get_size_inches()
+    high = (height - _ABOVE - _BELOW - _BETWEEN * (rows - 1)) / rows
+    wide = (width - _RIGHT - _LEFT * columns) / columns
+    figure.subplots_adjust(
+        left=_LEFT / width,
+        right=1.0 - _RIGHT / width,
+        top=1.0 - _ABOVE / height,
+        bottom=_BELOW / height,
+        hspace=_BETWEEN / high,
+        wspace=_LEFT / wide,
+    )
+    for axes in figure.axes:
+        box = axes.get_position()
+        axes.yaxis.set_label_coords(-_NUMBERS[1] / (box.width * width), 0.5)
+        axes.xaxis.set_label_coords(0.5, -_NUMBERS[0] / (box.height * height))
+
+
 def align(figure: Figure) -> None:
     """Lay a figure out and hold its axes' labels there, those of a column in line; at its end.
 
     The layout asks twice how far each axes' letters reach and each drawing asks again: they hold.
     """
     engine = figure.get_layout_engine()
-    if figure.canvas.manager is not None or not isinstance(engine, ConstrainedLayoutEngine):
+    if figure.canvas.manager is not None:
         figure.align_ylabels()  # a window may get another size
+    if figure.canvas.manager is not None or not isinstance(engine, ConstrainedLayoutEngine):
         return
     every = [axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)]
     for axis in every:

@@ -31,6 +31,7 @@ def first_figure(traces: Sequence[Traces]) -> Figure:
     whole = reduce(_beside, [_begun(each) for each in shown])
     figure = figures.new_figure(_HEIGHT, width=_WIDTH)
     grid = figure.subplots(3, 1, sharex=True, gridspec_kw={"height_ratios": _PANELS})
+    figures.space(figure, len(grid))
     rows = [(axes,) for axes in grid]
     draw_angle(rows[0], whole)
     draw_torque(rows[1], whole)
@@ -41,7 +42,6 @@ def first_figure(traces: Sequence[Traces]) -> Figure:
     else:
         grid[-1].set_xlim(float(whole.time[0]), float(whole.time[-1]))
         _name(grid, shown, whole)
-    figures.align(figure)
     return figure
 
 

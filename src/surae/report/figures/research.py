@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from itertools import product
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -74,7 +74,10 @@ _DARK = 0.8
 def correlation_figure(
     names: Sequence[str], matrix: FloatArray, figure: Figure | None = None
 ) -> Figure:
-    """Heat map of the correlations, values in the cells; on a new figure, or the one given."""
+    """Heat map of the correlations, on a new figure, or the one given.
+
+    Values stand in the cells below the diagonal; those above it are the same.
+    """
     k = len(names)
     side = min(WIDTH, 1.4 + 0.46 * k)
     figure = figures.new_figure(side) if figure is None else figure
@@ -85,12 +88,12 @@ def correlation_figure(
     shades = axes.pcolormesh(
         edges, edges, matrix, cmap=_MAP, vmin=-1, vmax=1, edgecolors="white", linewidth=0.8
     )
-    for row, column in product(range(k), repeat=2):
+    for column, row in combinations(range(k), 2):
         value = float(matrix[row, column])
         axes.text(
             column,
             row,
-            _written(value, row == column),
+            _written(value),
             ha="center",
             va="center",
             fontsize=7,
@@ -109,10 +112,10 @@ def correlation_figure(
     return figure
 
 
-def _written(value: float, diagonal: bool) -> str:
+def _written(value: float) -> str:
     """A correlation with two decimals, with three where two would make it perfect."""
     text = f"{value:.2f}"
-    if abs(float(text)) == 1 and not diagonal:
+    if abs(float(text)) == 1:
         text = f"{value:.3f}"
     return text.replace("-0.00", "0.00").replace("-", "−")
 

@@ -26,7 +26,7 @@ def tendon_figure(traces: Traces, state: TendonState) -> Figure:
     Triceps surae left, tibialis anterior right; lengths and velocities in optimal lengths.
     """
     figure = figures.new_figure(10.2)
-    grid = figure.add_gridspec(6, 2, height_ratios=[1.25, 1.1, 1.0, 1.35, 0.03, 1.75], wspace=0.05)
+    grid = figure.add_gridspec(6, 2, height_ratios=[1.25, 1.1, 1.0, 1.35, 0.03, 1.75])
     start = float(traces.time[0])
     end = float(traces.time[-1])
     for row, name in enumerate(traces.joint.headings):
@@ -65,7 +65,7 @@ def tendon_figure(traces: Traces, state: TendonState) -> Figure:
         for axes in above:
             axes.tick_params(labelbottom=False)
         _curve(figure.add_subplot(grid[5, row]), state.laws[row], state.elongation[row])
-    figures.align(figure)
+    figures.space(figure, 6, 2)
     return figure
 
 

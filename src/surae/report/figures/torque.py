@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from surae.base.formatting import percentage
+from surae.base.formatting import percentage, significant
 from surae.base.units import FloatArray, on_page
 from surae.inference import FitResult, Prediction
 from surae.recording import MUSCLES
@@ -53,7 +53,7 @@ def torque_figure(traces: Traces, *, width: float = WIDTH, figure: Figure | None
     """
     cycles = find_cycles(traces.angle, traces.rate_hz, traces.counted)
     muscles = [muscle for muscle in MUSCLES if muscle not in traces.missing_emg]
-    heights = [_STRIP] * len(muscles) + [_ANGLE, _TORQUE, _TORQUE]
+    heights = [_STRIP * len(muscles)] * bool(muscles) + [_ANGLE, _TORQUE, _TORQUE]
     both = cycles is not None and width > _BOTH
     height = (_ROOM + sum(heights)) * (0.6 * WIDTH + 0.4 * width) / WIDTH  # narrower, if less so
     figure = figures.new_figure(height, width=width) if figure is None else figure
@@ -66,8 +66,10 @@ def torque_figure(traces: Traces, *, width: float = WIDTH, figure: Figure | None
         sharey="row",
         gridspec_kw={"height_ratios": heights, "width_ratios": (3, 2) if both else (1,)},
     )
+    figures.space(figure, *grid.shape)
     rows: list[_Row] = [tuple(row) for row in grid]
-    _emg(rows[: len(muscles)], traces, muscles, cycles)
+    if muscles:
+        _emg(rows[0], traces, muscles, cycles)
     draw_angle(rows[-3], traces, cycles)
     draw_torque(rows[-2], traces, cycles)
     draw_parts(rows[-1], traces, cycles)
@@ -79,7 +81,6 @@ def torque_figure(traces: Traces, *, width: float = WIDTH, figure: Figure | None
         rows[0][1].set_title(f"Mean ± SD of {count} cycles", loc="left", fontsize=9, color=INK)
         rows[-1][1].set_xlabel(f"Cycle of {cycles.seconds:.2f} s [%]", fontsize=9, color=INK)
         rows[-1][1].set_xlim(0.0, 100.0)
-    figures.align(figure)
     return figure
 
 
@@ -116,38 +117,19 @@ def _dress(row: _Row, ylabel: str, xlabel: str = "") -> None:
         figures.dress(axes, "")
 
 
-def _emg(
-    rows: Sequence[_Row], traces: Traces, muscles: Sequence[str], cycles: Cycles | None
-) -> None:
-    if not rows:
-        return
+def _emg(row: _Row, traces: Traces, muscles: Sequence[str], cycles: Cycles | None) -> None:
+    """Envelopes one above the other, on one scale."""
     unit, factor = on_page(traces.emg_unit)
     signals = traces.emg * factor
-    highest = float(signals.max()) or 1.0
-    for row, muscle in zip(rows, muscles, strict=True):
-        _dress(row, "")
-        row[0].set_ylim(0.0, 1.08 * highest)
-        for axes in row:
-            axes.spines["bottom"].set_visible(row is rows[-1])
-            axes.tick_params(bottom=False)
-            axes.locator_params(axis="y", nbins=2)
-        row[0].text(
-            0.008,
-            0.94,
-            muscle.upper(),
-            transform=row[0].transAxes,
-            va="top",
-            fontsize=8,
-            weight="bold",
-            color=INK,
-            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
-        )
-        look = {"color": INK, "linewidth": 0.7}
-        _draw(row, traces, cycles, signals[:, MUSCLES.index(muscle)], look)
-    figures.heading(rows[0][0], "EMG, on one scale" if len(rows) > 1 else "EMG")
-    rows[(len(rows) - 1) // 2][0].set_ylabel(
-        f"EMG [{unit}]" if unit == "mV" else "EMG", fontsize=9, color=INK, y=0.5 * (len(rows) % 2)
-    )
+    height = 1.08 * (float(signals.max()) or 1.0)
+    _dress(row, f"EMG [{unit}]" if unit == "mV" else "EMG")
+    look = {"color": INK, "linewidth": 0.7}
+    at = height * np.arange(len(muscles))[::-1]
+    for level, muscle in zip(at, muscles, strict=True):
+        _draw(row, traces, cycles, signals[:, MUSCLES.index(muscle)] + level, look)
+    row[0].set_ylim(0.0, height * len(muscles))
+    row[0].set_yticks(at, [muscle.upper() for muscle in muscles], va="bottom")
+    figures.heading(row[0], f"EMG, each from 0 to {significant(height, 2)}")
 
 
 def draw_angle(row: _Row, traces: Traces, cycles: Cycles | None = None) -> None:

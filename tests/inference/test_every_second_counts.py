@@ -1,0 +1,72 @@
+"""More seconds never tell less, and a recording that is cut inside tells what it tells whole."""
+
+import sys
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import surae
+from surae.signals import windows
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "legs" / "src"))
+from ankle_legs.make import make
+
+#: Seconds of one recording that are fitted; the last one by windows.
+SECONDS = (35.0, 150.0, 299.0, 600.0)
+#: What a half-width may be wider for more seconds: windows lie elsewhere than the first seconds do.
+WIDER = 1.05
+#: Standard deviations by which a cut inside may move a value, and by how much a half-width.
+MOVED = 0.1
+CHANGED = 0.1
+
+
+def intervals(fit: surae.Fit) -> dict[str, tuple[float, float]]:
+    """Value and standard deviation by the posterior, before arms that are not the leg's own."""
+    variance = sum((by**2).sum(axis=0) for by in fit.result.solution.spread.values())
+    names = fit.result.problem.free
+    sd = dict(zip(names, np.sqrt(variance), strict=True))
+    return {n: (fit.result.values[n], sd[n]) for n in names if n in fit.parameters}
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory):
+    """Ten minutes of a virtual leg."""
+    folder = tmp_path_factory.mktemp("long")
+    (path,) = make("a", 5003, folder, (1,), kind="active", seconds=SECONDS[-1])
+    return surae.read(path)
+
+
+@pytest.fixture(scope="module")
+def by_length(recording):
+    """Intervals of its first seconds, by how many they are."""
+    return {s: intervals(surae.fit(recording.crop(0.0, s), quality=())) for s in SECONDS}
+
+
+def narrower(more, less) -> float:
+    """Geometric mean by which intervals are narrower, relative to what is estimated."""
+    assert more.keys() == less.keys()
+    parts = [np.log(more[n][1] / less[n][1]) for n in more]
+    return float(np.exp(np.mean(parts)))
+
+
+@pytest.mark.slow
+def test_more_seconds_never_tell_less(by_length) -> None:
+    for less, more in pairwise(SECONDS):
+        assert narrower(by_length[more], by_length[less]) <= WIDER, (less, more)
+    assert narrower(by_length[SECONDS[-1]], by_length[SECONDS[0]]) <= 0.7
+
+
+@pytest.mark.slow
+def test_a_cut_inside_moves_nothing(recording, by_length, monkeypatch) -> None:
+    """The same samples, of which the model begins anew before the second half."""
+    monkeypatch.setattr(windows, "FAMILY", (100.0, 2, 75.0))
+    fit = surae.fit(recording.crop(0.0, 150.0), quality=())
+    (inputs,) = fit.result.problem.inputs
+    assert inputs.counted == pytest.approx(150.0 * inputs.rate_hz, rel=0.01)
+    assert inputs.counted < inputs.n
+    cut = intervals(fit)
+    for name, (value, sd) in by_length[150.0].items():
+        assert abs(cut[name][0] - value) <= MOVED * sd, name
+        assert abs(cut[name][1] / sd - 1.0) <= CHANGED, name
