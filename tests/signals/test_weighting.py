@@ -168,3 +168,37 @@ def test_steady_emg_and_short_recordings_count_whole() -> None:
     short = begins(0.4)
     cut = {name: getattr(short, name)[:250] for name in ("time", "emg")}
     assert settled([replace(short, **cut)])[0].weight is None
+
+
+def stride(seconds: float = 1.1, last: float = 0.0) -> ModelInputs:
+    """A cycle in an effort that ends as it began, its last angle off by a part of its range."""
+    t = np.arange(0.0, seconds, 0.01)
+    phase = 2.0 * np.pi * t / t[-1]
+    angle = 0.2 * np.sin(phase)
+    angle[-1] += 0.4 * last
+    level = 1e-4 * (1.0 + 0.8 * np.cos(phase))
+    return replace(
+        trial(emg=np.outer(level, np.ones(4))),
+        time=t,
+        angle=angle,
+        velocity=np.gradient(angle, 0.01),
+        acceleration=np.zeros_like(t),
+        torque=20.0 * np.sin(phase),
+    )
+
+
+def test_a_stride_has_its_end_before_it() -> None:
+    (made,) = settled([as_it_is := stride()])
+    assert made.n == as_it_is.n + 70
+    assert np.array_equal(made.counts, np.arange(made.n) >= 70)
+    np.testing.assert_array_equal(made.emg[:70], as_it_is.emg[-71:-1])
+    np.testing.assert_array_equal(made.angle[70:], as_it_is.angle)
+    np.testing.assert_allclose(np.diff(made.time), 0.01)
+    assert "ends as it began" in str(made.steps[-1])
+
+
+def test_a_piece_that_ends_elsewhere_counts_as_it_is() -> None:
+    assert settled([elsewhere := stride(last=0.2)])[0] is elsewhere
+    drifted = stride()
+    drifted = replace(drifted, torque=drifted.torque + np.linspace(0.0, 9.0, drifted.n))
+    assert settled([drifted])[0] is drifted

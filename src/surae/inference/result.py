@@ -138,6 +138,17 @@ class LeastSquares(_Solution):
         return "note/one-start" if self.is_alone else ""
 
 
+@dataclass(frozen=True, slots=True)
+class Mounting:
+    """How far the foot of one recording of a joint fit is turned against that of all others."""
+
+    trial: str  #: Its name.
+    turned: float  #: What the ankle's angle is beyond the device's, less that of the others [deg].
+    sd: float  #: Its standard deviation, what a foot does between trials included [deg].
+    #: How rarely the recordings differ so much where the foot stayed (χ², Cochran's Q).
+    probability: float
+
+
 @filed("starts", "agreeing", "stages", "outcome", beliefs="priors", covariance="covariance")
 @dataclass(frozen=True, slots=True, eq=False)
 class PosteriorMode(_Solution):
@@ -173,6 +184,8 @@ class PosteriorMode(_Solution):
     #: How much stiffer tissue was when each recording began, as a part of its torque, and its
     #: standard deviation; of the muscle group that tells it best.
     softening: tuple[tuple[float, float], ...] = ()
+    #: Of each recording that is long enough; empty where fewer than two are, or no zero is unsure.
+    mountings: tuple[Mounting, ...] = ()
     #: Values of the simplest member, fitted to the same recordings; empty in files of before.
     simplest: Mapping[str, float] = field(default_factory=FrozenDict)
     outliers: ClassVar[None] = None  #: Its noise is learnt, and no loss is asked for.

@@ -16,6 +16,7 @@ from surae.base.units import FloatArray
 from surae.base.words import N_, Message
 from surae.recording import MUSCLES
 from surae.signals.inputs import ModelInputs
+from surae.signals.lead_in import led_in
 from surae.signals.normalise import emg_levels, quiet_levels, smooth_effort, steady_emg
 
 #: Activity is averaged over this time [s], so that a weight does not follow the torque's noise: it
@@ -28,7 +29,7 @@ _PEAK = 95.0
 #: damped activation of 1.3 Hz forgets all but 2 %.
 _ACTIVE = 0.1
 _SETTLING_S = 0.7
-#: A recording that is shorter than so many times that counts whole.
+#: A recording that is shorter than so many times that counts whole; its end may stand before it.
 _LONG = 4.0
 
 
@@ -135,7 +136,8 @@ def weighted(
 def settled(inputs: Sequence[ModelInputs]) -> tuple[ModelInputs, ...]:
     """Recordings of a leg without the first moments of those in which muscles are active at once.
 
-    An activation follows EMG from before the recording; a model has to assume some.
+    An activation follows EMG from before the recording; a model has to assume some. A short one
+    that ends as it began, as a stride does, has its end before it (`surae.signals.lead_in`).
     """
     rest = np.array(quiet_levels(inputs))
     level = np.array(emg_levels(inputs))
@@ -149,8 +151,10 @@ def _settled(recording: ModelInputs, begins: FloatArray) -> ModelInputs:
     start = float(recording.time[0])
     seconds = recording.n / recording.rate_hz
     first = smooth_effort(recording.emg.T, recording.rate_hz)[:, 0]
-    if not (first > begins).any() or seconds < _LONG * _SETTLING_S:
+    if not (first > begins).any():
         return recording
+    if seconds < _LONG * _SETTLING_S:
+        return led_in(recording, _SETTLING_S)
     left_out = Weighting(windows=((-math.inf, start + _SETTLING_S, 0.0),))
     why = "Muscles are active from the first sample, and what their EMG was before is not recorded."
     made = _weighted(recording, left_out)

@@ -1,10 +1,12 @@
 """What a fit says against its own numbers, from how it follows to what its nuisances hide."""
 
 from collections.abc import Iterator, Sequence
+from itertools import compress
 from statistics import NormalDist
 
 import numpy as np
 
+from surae.base.normal import NORMAL
 from surae.inference import FitResult
 from surae.inference.judging.fascicles import fascicles_of
 from surae.inference.judging.goodness import centred_r2, counted
@@ -13,10 +15,12 @@ from surae.inference.judging.random_effects import farthest_apart
 from surae.inference.judging.reasons import Reason, Scope, against
 from surae.inference.judging.structure import structured
 from surae.inference.posterior.conflict import SAID
+from surae.inference.result import Mounting
 from surae.model.laboratory import group_of
 from surae.model.source import Gaussian
 from surae.model.source_table import LABELS
 from surae.model.statements import RARE
+from surae.quality.timing import TOO_SHORT
 
 #: Centred R² [%] below which a model does not describe the torque, and from which on it does well.
 _NOT_FOLLOWED = 80.0
@@ -31,6 +35,8 @@ _ODD = 2.9
 _WRONG = 1e-4
 #: A recording that is followed so much worse than all together [% of R²] contradicts the others.
 _CONTRADICTS = 5.0
+#: Probability of zeros of the angle so far apart in trials of one mounting, below which it is said.
+_MOVED = 0.01
 #: What a hold may leave of its torque, in what recordings leave; of two virtual sets 1.2 and 1.7.
 _LEAVES = 2.0
 #: Standard deviation [mm] from which on a filmed fascicle departs by more than trackers drift.
@@ -132,10 +138,14 @@ def _agreement(result: FitResult, r2: float) -> Iterator[Reason]:
     inputs = result.problem.inputs
     residuals = result.residuals
     pairs = list(map(counted, inputs, residuals))
-    alone = () if result.posterior is None else result.posterior.recordings
-    name, rare = farthest_apart(alone) if alone else ("", 1.0)
+    posterior = result.posterior
+    # what a piece of a stride tells by itself is as unsure as what was before it
+    long = [each.counted >= TOO_SHORT * each.rate_hz for each in inputs]
+    alone = [] if posterior is None else list(compress(posterior.recordings, long))
+    name, rare = farthest_apart(alone) if len(alone) > 1 else ("", 1.0)
     if rare < SAID:
         yield against("not-one-leg", name=name)
+    yield from foot_moved(() if posterior is None else posterior.mountings)
     usual = float(np.median([np.sqrt(np.mean(e**2)) for _, e in pairs]))
     for recording, pair in zip(inputs, pairs, strict=True):
         own = centred_r2([pair])
@@ -149,6 +159,14 @@ def _agreement(result: FitResult, r2: float) -> Iterator[Reason]:
                 )
         elif own < r2 - _CONTRADICTS:
             yield against("trial-not-followed", grave=grave, trial=name, r2=own)
+
+
+def foot_moved(mountings: Sequence[Mounting]) -> Iterator[Reason]:
+    """A foot that lies otherwise in one trial than a strapped foot turns by itself."""
+    if mountings and mountings[0].probability < _MOVED:
+        farthest = max(mountings, key=lambda each: abs(each.turned) / each.sd)
+        half = NORMAL * farthest.sd
+        yield against("foot-moved", trial=farthest.trial, turned=abs(farthest.turned), half=half)
 
 
 def _films(result: FitResult) -> Iterator[Reason]:

@@ -24,6 +24,7 @@ from surae.inference.posterior.conflict import (
 from surae.inference.posterior.departures import Chosen
 from surae.inference.posterior.family import Family
 from surae.inference.posterior.log_posterior import LogPosterior, Point
+from surae.inference.posterior.mounting import mountings
 from surae.inference.problem import FitProblem
 from surae.inference.relaxed.cut import doubts_of
 from surae.inference.result import (
@@ -31,6 +32,7 @@ from surae.inference.result import (
     TENDONS,
     Candidate,
     FitResult,
+    Mounting,
     OfRecording,
     PosteriorMode,
     Stage,
@@ -60,7 +62,7 @@ def summed(
     original = family.original
     inputs = family.inputs_with_steps()
     V = post.covariance(point)
-    against, turned = _against(post, point, original)
+    against, turned, mounted = _against(post, point, original)
     contradicted = {g: c.probability for g, c in against.items() if c.probability < SAID}
     zero = against.pop(ZERO_NAME, None)
     problem = replace(post.problem, inputs=inputs)
@@ -111,6 +113,7 @@ def summed(
             gained=_gained(post, point),
             zero_wider=max(zero.ratio, 1.0) if zero else 1.0,
             softening=tuple(laplace.softened(post, point, V)),
+            mountings=mounted,
             turned=FrozenDict(zip(problem.free, (change @ turned).tolist(), strict=True)),
         ),
     )
@@ -159,11 +162,15 @@ def _candidates(sets: Sequence[Subset], values: Mapping[str, float]) -> tuple[Ca
 
 def _against(
     post: LogPosterior, point: Point, original: FitProblem
-) -> tuple[dict[str, Conflict], FloatArray]:
-    """How far what was stated is from what the torque says; −H⁻¹·∂²(−ln p)/∂z∂θ₀ by the zero θ₀."""
+) -> tuple[dict[str, Conflict], FloatArray, tuple[Mounting, ...]]:
+    """How far what was stated is from what the torque says; −H⁻¹·∂²(−ln p)/∂z∂θ₀ by the zero θ₀.
+
+    And how the foot of each recording is turned.
+    """
     settings = original.settings
     groups = original.settings.known
     turned = np.zeros(len(point.z))
+    mounted: tuple[Mounting, ...] = ()
     wide = laboratory(joint=original.options.anatomy)
     if settings.zero_sd and ZERO_NAME not in post.names:
         zero = settings.fixed.get(ZERO_NAME, 0.0)
@@ -175,7 +182,11 @@ def _against(
         V = post.covariance(point)
         at = post.of.index(ZERO_NAME)
         turned = np.delete(V[:, at], at) / V[at, at]
-    return conflicts(post.laplace(point), post.of, post.beliefs, wide, groups), turned
+        mounted = mountings(post, point)
+    elif ZERO_NAME in post.of:
+        mounted = mountings(post, point)
+    against = conflicts(post.laplace(point), post.of, post.beliefs, wide, groups)
+    return against, turned, mounted
 
 
 def _each(post: LogPosterior, point: Point, change: FloatArray) -> tuple[OfRecording, ...]:
