@@ -7,7 +7,9 @@ import pytest
 from scipy import signal
 
 from ankle_legs import perturbed
+from perturbed_ankle import Ankle
 from surae.nerve.impedance import perturbed as told_of
+from surae.nerve.limits import repeats_its_largest
 from surae.nerve.steps import steps_of
 from surae.recording import Recording
 
@@ -85,6 +87,25 @@ def limited(torque: np.ndarray, part: float) -> np.ndarray:
     cut = np.clip(torque, *np.quantile(torque, [part / 2, 1.0 - part / 2]))
     sections = signal.butter(2, 60.0, fs=RATE, output="sos")
     return signal.sosfilt(sections, cut - cut[0]) + cut[0]
+
+
+@pytest.mark.parametrize("part", [0.002, 0.01, 0.04])
+@pytest.mark.parametrize("every", [1, 2, 5])
+def test_short_peaks_that_end_at_one_value_are_at_a_limit(part, every) -> None:
+    _, _, torque, _ = record("qa", 1)
+    torque = torque[::every]
+    assert repeats_its_largest(np.clip(torque, *np.quantile(torque, [part / 2, 1.0 - part / 2])))
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("digit", [0.0, 0.003, 0.5])
+def test_peaks_of_a_like_height_are_at_no_limit(digit, seed) -> None:
+    """Steps of one size make peaks of one height, but for noise, and a recorder's digits."""
+    noise = np.random.default_rng(seed)
+    for torque in (record("qa", seed)[2], Ankle(noise=0.03).moved(seed)["torque"]):
+        shown = torque + 0.02 * noise.standard_normal(len(torque))
+        shown = digit * np.round(shown / digit) if digit else shown
+        assert not repeats_its_largest(shown)
 
 
 @pytest.mark.slow

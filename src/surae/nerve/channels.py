@@ -8,7 +8,7 @@ from surae.nerve.coarse import coarser
 from surae.nerve.fitting import Fitted, Problem
 from surae.nerve.identify import Cascade
 from surae.nerve.judged import INTRINSIC, REFLEX, Number, share
-from surae.nerve.limits import limits_of, restored
+from surae.nerve.limits import limits_of, repeats_its_largest, restored
 from surae.nerve.measures import MEASURES
 from surae.nerve.reflex_claim import Claimed
 from surae.nerve.samples import Samples
@@ -26,8 +26,8 @@ TOO_COARSE = N_(
 SLOW = "intrinsic_stiffness"
 WRONG = 0.05
 CUT_OFF = N_(
-    "the torque was at its channel’s limit, and then filtered: its largest, which fast movement "
-    "makes, are gone; raise the channel’s range"
+    "the torque was at its channel’s limit: its largest, which fast movement makes, is gone; raise "
+    "the channel’s range, and do not filter what was limited"
 )
 
 
@@ -48,12 +48,13 @@ def in_channels(
             refused = dict.fromkeys(MEASURES, Message(TOO_COARSE, part=100.0 * worst))
         claims = _allowing(claims, {n: TWICE * p for n, p in most.items()}, refused)
     ends = limits_of(*told)
-    if ends:
+    limited = bool(ends) or repeats_its_largest(samples.torque)
+    if limited:
         apart = _apart(claims.numbers, told, restored(*told, ends))
         wrong = {name: max(part, WRONG) for name, part in apart.items()}
         lost = {name: Message(CUT_OFF) for name in MEASURES if name != SLOW}
         claims = _allowing(claims, wrong, lost)
-    return claims, bool(ends)
+    return claims, limited
 
 
 def _allowing(

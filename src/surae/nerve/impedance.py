@@ -137,7 +137,9 @@ def inertia_of_empty(recording: Recording) -> NerveMeasure:
 
 def _without(whole: NerveMeasure, empty: NerveMeasure | None) -> NerveMeasure:
     """The foot's inertia, where the device's is known."""
-    if empty is None or empty.value is None or whole.value is None:
+    if whole.value is None:
+        return whole
+    if empty is None or empty.value is None:
         return replace(
             whole, note=Message(N_("of foot and device together: the empty device was not given"))
         )

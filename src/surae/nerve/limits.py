@@ -1,7 +1,8 @@
-"""A torque that was limited, and then filtered: seen by what the leg would have made beyond.
+"""A torque that was limited for moments, or limited and then filtered.
 
-A channel at its limit repeats one value, which `samples.limited` sees. A filter behind it rounds
-that off. Then a limit shows where the torque of the equations goes on and the recorded one does
+A channel at its limit repeats one value, and what lasts is left out (`samples.limited`). Peaks of
+inertia are too short for that, but many of them end at one value. A filter behind a limit rounds
+that off. Then it shows where the torque of the equations goes on and the recorded one does
 not: what they make beyond a level, taken off, describes the torque better, by about all of it.
 """
 
@@ -14,7 +15,15 @@ import numpy as np
 from surae.base.units import FloatArray
 from surae.nerve.fitting import Fitted, Problem, solved, stacked
 from surae.nerve.piece import SLOW, Piece
+from surae.nerve.samples import runs
 
+#: Samples in peaks at one largest value that are too short to be left out [samples, each], from so
+#: many of which on it is a limit, and by how many times they are more than those of the next value.
+SHORT = 4
+MANY = 8
+TIMES = 3.0
+#: Digits of a recorder, as a part of the range, that make values equal by themselves.
+DIGITS = 2e-3
 #: Parts of the time that the torque may be at a limit, one after the other.
 PARTS = (0.005, 0.01, 0.02, 0.04)
 #: The z of what is beyond a limit from which there is one, and the least part of it that is gone:
@@ -31,6 +40,20 @@ class End:
 
     sign: int  #: 1 of the largest torque, −1 of the smallest.
     level: float  #: The limit [Nm], times the sign, without the torque's mean.
+
+
+def repeats_its_largest(torque: FloatArray) -> bool:
+    """Whether many short peaks of a torque, shape (n,), end at one value, up or down."""
+    values = np.unique(torque[np.isfinite(torque)])
+    if len(values) < MANY or np.min(np.diff(values)) > DIGITS * (values[-1] - values[0]):
+        return False
+
+    def repeats(top: float, next_to_it: float) -> bool:
+        lengths = [run.stop - run.start for run in runs(torque == top)]
+        short = sum(length for length in lengths if length < SHORT)
+        return bool(short >= MANY and short > TIMES * np.count_nonzero(torque == next_to_it))
+
+    return repeats(values[-1], values[-2]) or repeats(values[0], values[1])
 
 
 def limits_of(problem: Problem, fitted: Fitted) -> tuple[End, ...]:
