@@ -35,7 +35,7 @@ ROUNDS = 4
 
 
 @dataclass(frozen=True, slots=True)
-class End:
+class TorqueLimit:
     """A limit of the torque, as what is seen of it says."""
 
     sign: int  #: 1 of the largest torque, −1 of the smallest.
@@ -56,14 +56,16 @@ def repeats_its_largest(torque: FloatArray) -> bool:
     return repeats(values[-1], values[-2]) or repeats(values[0], values[1])
 
 
-def limits_of(problem: Problem, fitted: Fitted) -> tuple[End, ...]:
+def limits_of(problem: Problem, fitted: Fitted) -> tuple[TorqueLimit, ...]:
     """Limits that the torque of a fit shows, none where it shows none."""
     residual, jacobian = problem.jacobian(fitted.structure, fitted.values)
     rows = jacobian.T
     return tuple(end for sign in (1, -1) for end in _limit(problem, fitted, sign, residual, rows))
 
 
-def restored(problem: Problem, fitted: Fitted, ends: Sequence[End]) -> tuple[Problem, Fitted]:
+def restored(
+    problem: Problem, fitted: Fitted, ends: Sequence[TorqueLimit]
+) -> tuple[Problem, Fitted]:
     """The torque with what the leg made beyond its limits, and its fit, made up by turns."""
     again = problem
     for _ in range(ROUNDS):
@@ -81,13 +83,13 @@ def restored(problem: Problem, fitted: Fitted, ends: Sequence[End]) -> tuple[Pro
 
 def _limit(
     problem: Problem, fitted: Fitted, sign: int, residual: FloatArray, rows: FloatArray
-) -> Iterator[End]:
+) -> Iterator[TorqueLimit]:
     """The limit at one end that describes the torque best, if one does clearly."""
     torque = np.concatenate([sign * piece.signals(piece.torque) for piece in problem.pieces])
     best = 0.0
     found = None
     for part in PARTS:
-        end = End(sign, float(np.quantile(torque, 1.0 - part)))
+        end = TorqueLimit(sign, float(np.quantile(torque, 1.0 - part)))
         missing = -_whitened(problem, [_beyond(p, fitted, end) for p in problem.pieces])
         if not np.any(missing):
             continue
@@ -110,7 +112,7 @@ def _weighed(rows: FloatArray, residual: FloatArray) -> tuple[float, float]:
     return float(coefficients[-1] / (sd + 1e-300)), float(coefficients[-1])
 
 
-def _beyond(piece: Piece, fitted: Fitted, end: End) -> FloatArray:
+def _beyond(piece: Piece, fitted: Fitted, end: TorqueLimit) -> FloatArray:
     """Torque beyond a limit as the equations make it, shape (m,) [Nm], signed.
 
     What is slower than `SLOW` is the recorded: it wanders by itself.
