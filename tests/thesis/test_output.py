@@ -1,5 +1,6 @@
 import json
 import re
+from dataclasses import replace
 
 import pytest
 from matplotlib.figure import Figure
@@ -133,6 +134,45 @@ def test_markdown_keeps_its_table_whatever_the_texts_hold(context) -> None:
     for line in lines:
         assert line.replace("\\\\", "").replace("\\|", "").count("|") == 6
     assert "<script" not in markdown(chapters(context)).replace("\\<script", "")
+
+
+def test_one_section_is_computed_again_and_the_others_keep_their_rows_and_dates(context) -> None:
+    titles = [section.title for section in SECTIONS]
+    first, other = (
+        Section(name=SECTIONS[i].name, title=titles[i], source="3.1", run=result) for i in (1, 2)
+    )
+    for section in (first, other):
+        keep(context, section, replace(result(context), findings=(finding_of("one", True),)))
+    earlier = markdown(chapters(context)).replace("Computed on 20", "Computed on 19")
+    assert "Verdicts: 2 holds, " in earlier
+    renewed = [(other, replace(result(context), made="2001-01-01"))]
+    text = markdown(renewed, earlier)
+    assert [line[3:] for line in text.splitlines() if line.startswith("## ")] == titles[1:3]
+    before, after = (each.split("\n## ") for each in (earlier, text))
+    assert before[1] == after[1]
+    assert "Computed on 19" in after[1]
+    assert "Computed on 2001-01-01." in after[2]
+    assert "Verdicts: 2 holds, 1 holds under a reading, " in after[0]
+    assert "1 differs, 0 not tested by this, 1 cannot be checked." in after[0]
+    assert "Of those that differ, 1 by our cohort." in after[0]
+    assert markdown(chapters(context), text) == markdown(chapters(context))
+
+
+def test_a_file_that_is_no_table_of_verdicts_is_written_anew(context) -> None:
+    keep(context, SECTION, result(context))
+    there = chapters(context)
+    assert markdown(there, "# Notes\n\n## Mine\n\nkept") == markdown(there)
+
+
+def test_a_section_of_another_version_stays_and_says_so(context, monkeypatch) -> None:
+    monkeypatch.setattr("surae_thesis.section.__version__", "0.0.1")
+    keep(context, SECTION, result(context))
+    monkeypatch.undo()
+    [(_, kept)] = chapters(context)
+    assert kept.made.endswith("by surae 0.0.1, seed 1")
+    write(context)
+    for name in ("reproduction.html", "verdicts.md"):
+        assert "omputed on 20" in (context.folder / name).read_text()
 
 
 def test_a_section_of_other_settings_is_not_on_the_page(context, tmp_path) -> None:

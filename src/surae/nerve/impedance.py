@@ -9,6 +9,7 @@ import numpy as np
 from surae.base.frozen import FrozenDict, freeze
 from surae.base.words import N_, Message
 from surae.nerve.cascade import muscle
+from surae.nerve.channels import in_channels
 from surae.nerve.fitting import Fitted, Problem, noise_of
 from surae.nerve.identify import CHANGING, Cascade, identify
 from surae.nerve.judged import INTRINSIC, Judged, Number
@@ -53,18 +54,19 @@ def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Pertur
     found = identify(pieces, halves, band[1], judge)
     behind = falls_short(pieces, [found.fitted.prediction(p) for p in pieces])
     claims = in_loop(claimed(found, said[-1], behind), loop, found)
+    claims, limited = in_channels(claims, samples, Problem(pieces, found.noise), found, band[0])
     measures = {
         name: number_of(
             name,
             claims.numbers.get(name),
-            "" if name in claims.numbers else claims.why,
+            "" if name in claims.numbers else claims.refused.get(name, claims.why),
             claims.hidden.get(name, (0.0, np.inf)),
         )
         for name in MEASURES
     }
     measures["inertia"] = _without(measures["inertia"], empty)
     stationarity = _stationarity(found)
-    notes = [*samples.notes, *_notes(pieces, found, behind)]
+    notes = [*samples.notes, *_notes(pieces, found, limited or behind > BEHIND)]
     if heard := answering(recording, samples, found.direction):
         notes.append(heard)
     if stationarity.verdict == "changes":
@@ -90,9 +92,9 @@ def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Pertur
     )
 
 
-def _notes(pieces: Sequence[Piece], found: Cascade, behind: float) -> Iterator[Message]:
+def _notes(pieces: Sequence[Piece], found: Cascade, limited: bool) -> Iterator[Message]:
     """What makes numbers less sure, and what to do about it."""
-    if behind > BEHIND:
+    if limited:
         yield Message(
             N_(
                 "The torque stays behind at its largest, as if its channel were at "
@@ -135,7 +137,9 @@ def inertia_of_empty(recording: Recording) -> NerveMeasure:
 
 def _without(whole: NerveMeasure, empty: NerveMeasure | None) -> NerveMeasure:
     """The foot's inertia, where the device's is known."""
-    if empty is None or empty.value is None or whole.value is None:
+    if whole.value is None:
+        return whole
+    if empty is None or empty.value is None:
         return replace(
             whole, note=Message(N_("of foot and device together: the empty device was not given"))
         )

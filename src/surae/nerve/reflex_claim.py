@@ -1,7 +1,7 @@
 """What is claimed of a perturbed leg: whether a reflex is there, and which numbers stand."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from surae.base.words import N_, Message
 from surae.nerve.cascade import BOUNDS
@@ -93,6 +93,8 @@ class Claimed:
     numbers: Mapping[str, Number]  #: Of measures; those of a reflex only where one is present.
     hidden: Mapping[str, tuple[float, float]]  #: What a reflex may have that is not seen.
     why: Message  #: Why what has no number has none.
+    #: Why a number that could be estimated is not told, by its name.
+    refused: Mapping[str, Message] = field(default_factory=dict)
 
 
 def in_loop(claims: Claimed, loop: Loop, found: Cascade) -> Claimed:

@@ -11,6 +11,7 @@ from surae.base.errors import InputError
 from surae.base.units import FloatArray
 from surae.base.words import N_, Message
 from surae.nerve.piece import TOP, Piece
+from surae.nerve.steps import steps_of
 from surae.recording import Recording
 
 #: Least range of a movement [rad]: sensors' noise is below a tenth of a degree.
@@ -63,8 +64,6 @@ REMEDIES = {
 }
 #: Speed in the one direction as a part of that in the other, below which it does not count.
 ONE_SIDED = 0.25
-#: Step of an encoder as a part of the position's standard deviation, from which it is named.
-COARSE = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +78,7 @@ class Samples:
     spans: tuple[slice, ...]  #: Pieces that are used.
     notes: tuple[str, ...]  #: What was left out or is to be known, a sentence each.
     one_sided: bool = False  #: Whether it is fast in one direction only.
+    step: float = 0.0  #: Of the position's sensor [rad], where it is coarse.
 
     @property
     def seconds(self) -> float:
@@ -195,7 +195,7 @@ def usable(where: str, time: FloatArray, angle: FloatArray, torque: FloatArray) 
     """
     time, angle, torque, rate = on_one_clock(where, time, angle, torque)
     known = np.isfinite(angle)
-    told, one_sided = _movement(
+    told, one_sided, step = _movement(
         where, angle[max(runs(known), key=lambda r: r.stop - r.start)], rate
     )
     left_out = dict[str, str]()
@@ -213,7 +213,7 @@ def usable(where: str, time: FloatArray, angle: FloatArray, torque: FloatArray) 
             left |= found
     spans = tuple(span for span in runs(~left) if span.stop - span.start >= SHORTEST * rate)
     notes = (*(Message(N_("Left out: {what}."), what=each) for each in left_out.values()), *told)
-    samples = Samples(where, time, angle, torque, rate, spans, notes, one_sided)
+    samples = Samples(where, time, angle, torque, rate, spans, notes, one_sided, step)
     if samples.seconds < LEAST:
         why = f"left out: {', '.join(left_out.values())}" if left_out else "it is short"
         remedy = next((do for what, do in REMEDIES.items() if what in left_out), "record 60 s")
@@ -224,10 +224,11 @@ def usable(where: str, time: FloatArray, angle: FloatArray, torque: FloatArray) 
     return samples
 
 
-def _movement(where: str, angle: FloatArray, rate: float) -> tuple[list[str], bool]:
+def _movement(where: str, angle: FloatArray, rate: float) -> tuple[list[str], bool, float]:
     """Look at the movement: fast enough, by whom, in both directions, finely enough measured.
 
-    What to know of it, a sentence each, and whether it is fast in one direction only.
+    What to know of it, a sentence each, whether it is fast in one direction only, and its steps
+    [rad] where they are coarse.
     """
     smooth = _mean(angle, max(round(SEEN_OVER * rate), 1))
     size = min(round(GOES_ON * rate), len(smooth))
@@ -272,20 +273,10 @@ def _movement(where: str, angle: FloatArray, rate: float) -> tuple[list[str], bo
                 way=Message(way),
             )
         )
-    steps = np.abs(np.diff(angle))
-    moving = steps[steps > 1e-9]
-    step = float(np.quantile(moving, 0.05)) if len(moving) else 0.0
-    if len(moving) < 0.9 * len(steps) and step > COARSE * float(np.std(angle)):
-        notes.append(
-            Message(
-                N_(
-                    "The position comes in steps of {step:.2g}°, coarse beside its "
-                    "movement: use a finer encoder or larger perturbations."
-                ),
-                step=np.rad2deg(step),
-            )
-        )
-    return notes, one_sided
+    step, note = steps_of(angle, rate)
+    if note is not None:
+        notes.append(note)
+    return notes, one_sided, step
 
 
 def _mean(values: FloatArray, n: int) -> FloatArray:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from surae.base.errors import InputError
-from surae.base.files import shown, write_atomic
+from surae.base.files import read_bytes, shown, write_atomic
 from surae.cli.options import workers_option
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.screen import show_line, show_table
@@ -43,7 +43,8 @@ def command(
     """Compute the thesis's results again: each claim beside ours, with a verdict.
 
     The folder holds a page with every claim, figure and table, a PDF where typst is installed, and
-    the verdicts as Markdown. A stopped run goes on where it was.
+    the verdicts as Markdown. A stopped run goes on where it was. With --only, the page and FILE.md
+    keep their other sections; each says when and by which version it was computed.
     """
     if not output:
         raise InputError("--output is empty; give the name of a folder")
@@ -60,7 +61,7 @@ def command(
     make_folder(folder)
 
     from surae_thesis.reproduction import reproduce
-    from surae_thesis.writers import markdown as verdicts
+    from surae_thesis.verdicts import markdown as verdicts
 
     begin = time.perf_counter()
     try:
@@ -83,7 +84,8 @@ def command(
     there = chapters(context)
     _show(there)
     if markdown is not None:
-        write_atomic(markdown, verdicts(there))
+        earlier = read_bytes(markdown).decode() if Path(markdown).is_file() else ""
+        write_atomic(markdown, verdicts(there, earlier))
     show_line(
         f"{', '.join(section.name for section in chosen)}: {time.perf_counter() - begin:.0f} s"
     )

@@ -5,6 +5,7 @@ import inspect
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from datetime import date
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -118,6 +119,7 @@ class Result:
     findings: tuple[JudgedClaim, ...]
     figures: tuple[Drawing, ...] = ()
     tables: tuple[Table, ...] = ()
+    made: str = ""  # the day, and by which version, once it is kept
 
     @property
     def views(self) -> tuple[str, ...]:
@@ -210,8 +212,11 @@ def keep(context: Context, section: Section, result: Result) -> None:
     for table in result.tables:
         path = context.inner("tables") / f"{table.name}.csv"
         write_atomic(path, "".join(map(csv_row, (table.columns, *table.rows))))
+    quick = ", a part of the fits" if context.quick else ""
     plain = replace(
-        result, tables=tuple(replace(t, rows=()) if t.long else t for t in result.tables)
+        result,
+        tables=tuple(replace(t, rows=()) if t.long else t for t in result.tables),
+        made=f"{date.today().isoformat()} by surae {__version__}, seed {context.seed}{quick}",
     )
     path = context.inner("sections") / f"{section.name}.json"
     write_json(path, {"settings": _settings(context), **to_plain(plain)})
@@ -220,19 +225,23 @@ def keep(context: Context, section: Section, result: Result) -> None:
 def chapters(context: Context) -> Chapters:
     """The sections that have run in the folder with these settings, in the order of the page.
 
+    A section that another version computed is there too, and says so.
+
     Raises
     ------
     InputError
         What a section wrote cannot be read.
     """
     there = []
+    ours = _settings(context)
     for section in SECTIONS:
         path = context.folder / "sections" / f"{section.name}.json"
         if not path.is_file():
             continue
         try:
             data = json.loads(read_bytes(path))
-            if data.pop("settings") == _settings(context):
+            settings = data.pop("settings")
+            if {name: settings[name] for name in ours} == ours:
                 there.append((section, from_plain(Result, data)))
         except (ValueError, KeyError, TypeError, AttributeError):
             raise InputError(
@@ -243,7 +252,7 @@ def chapters(context: Context) -> Chapters:
 
 def _settings(context: Context) -> dict[str, Any]:
     """What sections on one page have in common."""
-    return {"surae": __version__, "seed": context.seed, "quick": context.quick}
+    return {"seed": context.seed, "quick": context.quick}
 
 
 def counts(chapters: Chapters) -> dict[str, int]:

@@ -35,6 +35,7 @@ from surae_thesis.section import (
     counts,
     keep,
 )
+from surae_thesis.verdicts import TITLE, causes_said, judged_by, markdown, number_in
 
 #: Names of what is written, beside a PDF where there is typst.
 PAGE = "reproduction.html"
@@ -51,7 +52,6 @@ CLASSES = {
     "not tested by this": "unchecked",
     "cannot be checked": "unchecked",
 }
-_TITLE = "The thesis’s results, computed again"
 
 
 def write(context: Context) -> list[Path]:
@@ -76,7 +76,7 @@ def document(context: Context, there: Chapters) -> Document:
     contents = [f"{s.title} ({s.source}): {len(result.findings)} claims" for s, result in there]
     summary: tuple[Block, ...] = (
         KeyFigures(tuple((verdict, str(n), "") for verdict, n in counts(there).items())),
-        *paragraphs(filter(None, [_causes(there)])),
+        *paragraphs(filter(None, [causes_said(causes(there))])),
         Text(
             "Each claim has the thesis's sentence and a numeric rule for when it holds, printed "
             "with it. The first column that it is judged in is how we read the thesis, and "
@@ -89,10 +89,10 @@ def document(context: Context, there: Chapters) -> Document:
     )
     return Document(
         kicker="Reproduction",
-        heading=_TITLE,
+        heading=TITLE,
         under="Estimating ankle muscle parameters (van de Poll, 2015), every claim beside ours. "
         f"surae {__version__}, seed {context.seed}{quick}.",
-        title=_TITLE,
+        title=TITLE,
         blocks=(Shown("Summary", summary, "summary"), *starmap(_chapter, there)),
         footer="Made by surae for research. SEM: equation (34); IPDE: equation (35) as the root of "
         "the sum of squares over the upper triangle of the normalised covariance; VAF: equation "
@@ -102,7 +102,9 @@ def document(context: Context, there: Chapters) -> Document:
 
 def _chapter(section: Section, result: Result) -> Shown:
     """A section of the thesis: what we say of it, its claims, figures and tables."""
-    blocks: list[Block] = [Text(f"Thesis: {section.source}", "under")] if section.source else []
+    under = [f"Thesis: {section.source}"] if section.source else []
+    under += [f"computed on {result.made}"] if result.made else []
+    blocks: list[Block] = [Text("; ".join(under), "under")] if under else []
     blocks += [Text("", lead=text) for text in result.insights]
     blocks += paragraphs(result.notes)
     if result.findings:
@@ -143,10 +145,10 @@ def _claim_rows(finding: JudgedClaim, views: Sequence[str]) -> tuple[Row, Row]:
             Cell(finding.source, under=finding.id),
             finding.statement,
             finding.number,
-            *(_view(finding, name) for name in views),
+            *(number_in(finding, name) for name in views),
             Cell(badge=badge),
         ),
-        (Cell(meaning=_judged_by(finding), why=finding.reason),),
+        (Cell(meaning=judged_by(finding), why=finding.reason),),
     )
 
 
@@ -197,55 +199,6 @@ def _figures(context: Context, there: Chapters, ending: str) -> dict[str, bytes]
         for _, result in there
         for drawing in result.figures
     }
-
-
-def markdown(there: Chapters) -> str:
-    """All findings as Markdown: a table for each section, a column for each view, reasons below."""
-    total = ", ".join(f"{number} {verdict}" for verdict, number in counts(there).items())
-    lines = [f"# {_TITLE}", "", f"Verdicts: {total}.", _causes(there), ""]
-    for section, result in there:
-        lines += [f"## {_plain(section.title)}", "", f"Thesis: {_plain(section.source)}.", ""]
-        lines += [f"**{_plain(insight)}**\n" for insight in result.insights]
-        lines += [f"{_plain(note)}\n" for note in result.notes]
-        views = result.views
-        heads = ["claim", "thesis", *(name or "ours" for name in views), "verdict"]
-        lines += [f"| {' | '.join(map(_plain, heads))} |", "|" + "---|" * len(heads)]
-        for f in result.findings:
-            cells = [f"{f.statement} ({f.source})", f.number]
-            cells += [_view(f, name) for name in views]
-            lines.append(f"| {' | '.join(map(_plain, cells))} | **{_plain(f.said)}** |")
-        lines.append("")
-        for f in result.findings:
-            lines.append(f"- *{_plain(f.statement)}* {_plain(f'{_judged_by(f)} {f.reason}')}")
-        lines.append("")
-    return "\n".join(lines).rstrip() + "\n"
-
-
-def _judged_by(finding: JudgedClaim) -> str:
-    """The thesis's sentence and, beside it, the rule that judges it."""
-    return f"“{finding.says}” Holds when: {finding.rule}"
-
-
-def _causes(there: Chapters) -> str:
-    """What a second look at the claims that differ found, in a sentence; empty where none does."""
-    some = [f"{number} by {cause}" for cause, number in causes(there).items() if number]
-    text = ", ".join(some).replace("by unexplained", "unexplained")
-    return f"Of those that differ, {text}." if some else ""
-
-
-def _view(finding: JudgedClaim, name: str) -> str:
-    """Our number in one view, marked where the claim holds there."""
-    if name not in finding.ours:
-        return "–"
-    holds, text = finding.ours[name]
-    return f"✓ {text}" if holds else text
-
-
-def _plain(text: str) -> str:
-    """Text that is no markup, on one line, in a cell of a table or outside one."""
-    for mark in "\\`|<[_*":
-        text = text.replace(mark, f"\\{mark}")
-    return " ".join(text.split())
 
 
 def cell_text(cell: Value) -> str:
