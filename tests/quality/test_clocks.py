@@ -7,6 +7,7 @@ import pytest
 
 import surae
 from surae.base.frozen import read_only
+from surae.inference.diagnosis.between import drifting_clock, lagging_stream, may_be_apart
 from surae.inference.diagnosis.clocks import _solved, clock_drift, estimated_clock
 from surae.inference.diagnosis.moving import moved
 from surae.inference.diagnosis.quick import quick_fit
@@ -71,6 +72,75 @@ def test_electrodes_that_drift_bent_are_no_clock(tmp_path):
 def test_a_measured_trial_on_one_clock_has_no_drift(shared):
     recording = surae.read(shared / "dynamometer" / "PL_50_01.toml")
     assert clock_drift(*looked_at(recording)) is None
+
+
+@pytest.mark.parametrize("rate", [0.0, 4e-3])
+def test_of_one_electrodes_measured_trial_no_drift_is_told(shared, rate):
+    """What the model lacks moves the estimate by more than its interval: nothing is claimed."""
+    recording = surae.read(shared / "dynamometer" / "PL_50_01.toml")
+    found = estimated_clock(*looked_at(stamped(recording, rate)), hinted=False)
+    assert found is None or not found.told
+
+
+# Angle and torque.
+
+
+def apart(recording: Recording, stream: str, rate: float = 0.0, late: float = 0.0) -> Recording:
+    """The recording whose angle, torque or EMG has stamps of another clock."""
+    channels = {
+        role: replace(c, time=read_only(c.time * (1.0 + rate) + late))
+        if role.startswith(stream)
+        else c
+        for role, c in recording.channels.items()
+    }
+    return replace(recording, channels=channels)
+
+
+def test_which_streams_may_be_apart_is_seen_by_their_times(leg):
+    assert may_be_apart(leg) == ("angle", "torque", "emg")
+    assert may_be_apart(apart(leg, "emg", 1e-3)) == ("emg",)
+    assert may_be_apart(apart(leg, "torque", 1e-3)) == ("torque",)
+    assert may_be_apart(apart(leg, "angle", late=0.1)) == ("angle",)
+
+
+@pytest.mark.parametrize("rate", [3e-3, -4e-3])
+def test_a_torque_on_a_clock_of_its_own_is_found(leg, rate):
+    drift = drifting_clock(*looked_at(apart(leg, "torque", rate)))
+    assert drift is not None
+    assert drift.stream == "torque"
+    low, high = drift.ci95
+    assert low <= rate <= high
+
+
+@pytest.mark.parametrize(("stream", "late"), [("angle", 0.2), ("angle", -0.2), ("torque", 0.2)])
+def test_a_stream_that_is_late_or_early_is_named_with_its_interval(leg, stream, late):
+    lag = lagging_stream(*looked_at(apart(leg, stream, late=late)), None)
+    assert lag is not None
+    assert lag.stream == stream
+    assert lag.ci95[0] <= late <= lag.ci95[1]
+    assert lag.after.r2 > lag.before.r2
+
+
+def test_streams_that_are_in_step_are_not_said_to_be_apart(leg, shared):
+    measured = surae.read(shared / "gait" / "walk36.toml")
+    for recording in (leg, measured):
+        assert drifting_clock(*looked_at(recording)) is None
+        assert lagging_stream(*looked_at(recording), None) is None
+
+
+def test_a_check_says_a_late_angle_and_how_to_put_it_right(leg):
+    quality = surae.check(apart(leg, "angle", late=0.2))
+    (finding,) = (f for f in quality.findings if f.code == "angle-torque-lag")
+    assert finding.channel == "angle"
+    assert finding.value == pytest.approx(0.2, abs=0.06)
+    right = apart(apart(leg, "angle", late=0.2), "angle", late=-finding.value)
+    assert "angle-torque-lag" not in {f.code for f in surae.check(right).findings}
+
+
+def test_that_nothing_can_be_told_of_angle_and_torque_has_a_reason(shared):
+    quality = surae.check(shared / "dynamometer" / "PL_50_01.toml")
+    (skipped,) = (each for each in quality.skipped if each.check == "angle-torque-lag")
+    assert "too small" in skipped.reason
 
 
 @pytest.mark.parametrize(("ppm", "begins"), [(2000, 0.7), (-1500, -12.0)])

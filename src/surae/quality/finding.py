@@ -17,12 +17,15 @@ Severity = Literal["info", "warning", "error"]
 SEVERITIES: tuple[Severity, ...] = ("info", "warning", "error")
 #: Errors by which a recording is another than its file says: nothing that is made of it holds.
 NOT_AS_STATED = {
+    "angle-clock",
     "angle-sign",
+    "angle-torque-lag",
     "angle-units",
     "electrodes-swapped",
     "emg-clock",
     "emg-unit",
     "time-unit",
+    "torque-clock",
     "torque-sign",
     "torque-unit",
 }

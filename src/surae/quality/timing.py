@@ -165,7 +165,8 @@ _DONE = re.compile(
     r"from row \d+ on no numbers: [^;]*|its letters are read as [^;]*|"
     r"quoted numbers have decimal commas|the names of the columns are repeated [^;]*|"
     r"(?:two|several) rows of names, read as one|clock [^;]* ppm [^;]*, corrected|"
-    r"'[^;]*' is taken as [^;]*|[\d.]+ Hz, as the lines above the names say|" + re.escape(BY_NAME)
+    r"'[^;]*' is taken as [^;]*|[\d.]+ Hz, as the lines above the names say|"
+    r"[\d.]+ Hz, as column '[^;]*' says|its times are those of column '[^;]*'|" + re.escape(BY_NAME)
 )
 
 

@@ -13,8 +13,10 @@ from surae.recording.table import some
 #: So much of a file's end is looked at, and so many lines there may be no numbers.
 _TAIL = 2**16
 _MOST = 100
+_NO_NUMBERS = ("", "nan", "na", "n/a", "null", "none", "inf", "-inf")
 _QUOTED_COMMA = re.compile(rb'"([+-]?\d*),(\d+(?:[eE][+-]?\d+)?)"')
 _POINT = re.compile(rb'(?:^|,|")[ "]*[+-]?\d*\.\d', re.MULTILINE)
+_END = b"\x1a"
 _LINE = re.compile(rb"[^\r\n]*(?:\r\n|\r|\n|$)")
 
 
@@ -33,9 +35,12 @@ def body_of(source: Source, head: TableHeading) -> Body:
     if commas and not _POINT.search(source.data):
         source = replace(source, data=_QUOTED_COMMA.sub(rb'"\1.\2"', source.data))
         remarks.append("quoted numbers have decimal commas")
+    if source.data.endswith(_END):  # what DOS writes at a file's end
+        source = replace(source, data=source.data.rstrip(_END))
     source, again = _without_headings(source, head)
     if again:
-        remarks.append(f"the names of the columns are repeated {again} times")
+        times = "once" if again == 1 else f"{again} times"
+        remarks.append(f"the names of the columns are repeated {times}")
     source, said = _without_end(source, head)
     return Body(source, "; ".join(filter(None, (*remarks, said))))
 
@@ -72,7 +77,8 @@ def _without_end(source: Source, head: TableHeading) -> tuple[Source, str]:
     while last >= 0 and len(below) < _MOST:
         text = texts[last]
         if text.strip() and not text.lstrip().startswith("#"):
-            if whole(text) and (not first_cell or _number_first(text, head)):
+            number = whole(text) and (not first_cell or _number_first(text, head))
+            if number and not _is_void(text, head):
                 break
             below.append(last)
         last -= 1
@@ -107,6 +113,15 @@ def _number_first(text: str, head: TableHeading) -> bool:
     except (csv.Error, IndexError):
         return False
     return numeric(cell if head.delimiter == "," else cell.replace(",", ".")) or is_clock(cell)
+
+
+def _is_void(text: str, head: TableHeading) -> bool:
+    """Whether none of a row's cells holds a number: all are blank or say that they do not."""
+    try:
+        cells = split(text, head.delimiter)
+    except csv.Error:
+        return False
+    return all(cell.casefold() in _NO_NUMBERS for cell in cells)
 
 
 def _is_part(text: str, head: TableHeading) -> bool:

@@ -15,7 +15,8 @@ import numpy as np
 from surae.base.errors import InputError
 from surae.base.units import FloatArray, plain
 from surae.recording.body import body_of
-from surae.recording.headings import TableHeading, heading_of, numeric
+from surae.recording.clocks import clocks_behind
+from surae.recording.headings import TableHeading, heading_of, numeric, rate_in
 from surae.recording.roles import NAMES, guess_role
 from surae.recording.rows import Rows, is_clock, split
 from surae.recording.source import Source
@@ -53,7 +54,7 @@ def open_table(source: Source, clock: Clock | None = None) -> Table:
         raise InputError(
             f"{where}: numbers where the names of the columns belong; the first line that is no "
             "comment must name them (time_s, angle_rad, ...)"
-            + " (BIDS keeps them in channels.tsv)"
+            + " (BIDS keeps them in channels.tsv, of physio in the file .json beside it)"
             * source.path.endswith(_BIDS)
         )
     body = body_of(source, head)
@@ -99,15 +100,24 @@ def table_of(
         of_day = at if is_clock(cells[at]) else None
     rows = Rows(source, head.row, names, head.delimiter, decimal, of_day)
     offered = None
+    counted_by = ""
     if not time and not head.rate_hz:
-        offered = _by_shape(rows, where)
+        offered = _by_shape(rows, where, cells)
+        if offered is not None and not offered.unit and (rate := rate_in(offered.column)):
+            counted_by = offered.column  # Sample (500 Hz)
+            head = replace(head, rate_hz=rate)
+            offered = None
     elif clock is not None and not clock.unit and of_day is None:
         clock, said = _plausible(rows, clock)
         remark = "; ".join(filter(None, (remark, said)))
     factor = 1.0 if clock is None else clock.in_seconds
+    apart = {}
+    if clock is not None and of_day is None:
+        apart = clocks_behind(names, clock, _first_numbers(rows))
 
     def load(wanted: Sequence[str]) -> Mapping[str, Column]:
-        loaded = rows.columns(wanted, time, factor)
+        loaded = rows.columns([name for name in wanted if name not in apart], time, factor)
+        loaded |= _by_their_clocks(rows, wanted, apart)
         if time or not head.rate_hz:
             return loaded
         n = len(next(iter(loaded.values())).time) if loaded else 0
@@ -118,10 +128,12 @@ def table_of(
         own = Clock(column, unit, "as the mapping says")
         return table_of(source, head, own, form=form, remark=remark, given=True)
 
-    others = tuple(name for name in names if name and name != time)
+    times = {time, *(each.column for each in apart.values())}
+    others = tuple(name for name in names if name and name not in times)
     ours = {name: NAMES[plain(name)][1] for name in others if plain(name) in NAMES}
     units = {n: unit for n in others if (unit := head.units.get(n) or head.unit)} | ours
-    by_rate = f"{head.rate_hz:g} Hz, as the lines above the names say" if head.rate_hz else ""
+    said_by = f"column {counted_by!r} says" if counted_by else "the lines above the names say"
+    by_rate = f"{head.rate_hz:g} Hz, as {said_by}" if head.rate_hz else ""
     said = "; ".join(filter(None, (remark, by_rate * (not time))))
     return Table(
         source.shown,
@@ -133,10 +145,25 @@ def table_of(
         notes=head.notes,
         header=head.row,
         remarks=dict.fromkeys(others, said) if said else {},
+        began="" if of_day is not None else head.began,
         offered=offered,
         retimed=retimed,
         cells=rows.texts,
     )
+
+
+def _by_their_clocks(
+    rows: Rows, wanted: Sequence[str], apart: Mapping[str, Clock]
+) -> dict[str, Column]:
+    """Columns that have a column of times of their own."""
+    loaded: dict[str, Column] = {}
+    for clock in dict.fromkeys(apart[name] for name in wanted if name in apart):
+        own = [name for name in wanted if apart.get(name) == clock]
+        said = f"its times are those of column {clock.column!r}"
+        for name, column in rows.columns(own, clock.column, clock.in_seconds).items():
+            remark = "; ".join(filter(None, (said, column.remark)))
+            loaded[name] = replace(column, remark=remark)
+    return loaded
 
 
 def _clock(head: TableHeading, where: str) -> Clock | None:
@@ -177,8 +204,14 @@ def _first_numbers(rows: Rows) -> dict[str, FloatArray]:
     return dict(sorted(zip(named, data, strict=True), key=lambda item: named[item[0]]))
 
 
-def _by_shape(rows: Rows, where: str) -> Clock | None:
-    """The column that is the time by its shape; a movement in percent is refused."""
+def _by_shape(rows: Rows, where: str, first: Sequence[str]) -> Clock | None:
+    """The column that is the time by its shape; a movement in percent is refused.
+
+    `first` are the cells of the first row: times of day have a shape of their own.
+    """
+    of_day = [name for name, cell in zip(rows.names, first, strict=False) if is_clock(cell)]
+    if len(of_day) == 1:
+        return Clock(of_day[0], "s", "its cells are times of day")
     columns = _first_numbers(rows)
     for name, values in columns.items():
         in_percent = "%" in name or "percent" in name.casefold() or is_part_of_movement(name)

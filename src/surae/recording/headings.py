@@ -6,6 +6,8 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from surae.base.errors import InputError
 from surae.base.formatting import check_known
 from surae.base.units import FACTORS, spelled
@@ -42,6 +44,14 @@ _INTERVAL = re.compile(
 )
 
 
+#: When a recording began, in a line above the names, to a second or finer.
+_BEGAN = re.compile(
+    r"(?:start|begin|began|begonnen|recorded|recording|acquisition|aufnahme|opname|enregistr"
+    r"|d[eé]but|date|datum)[^\d\n]{0,30}"
+    r"(?P<date>\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[.]\d{1,2}[.]\d{4})[ T,]{1,3}"
+    r"(?P<time>\d{1,2}:\d{2}:\d{2}(?:[.,]\d{1,9})?)(?![\d:]| ?[AaPp][Mm])",
+    re.IGNORECASE,
+)
 #: A unit of all columns in such a line, as BTS writes it.
 _UNIT = re.compile(r"measure unit:\s*(\S{1,12})", re.IGNORECASE)
 
@@ -58,6 +68,7 @@ class TableHeading:
     remark: str = ""  #: What a user should know of how the names were read.
     rate_hz: float = 0.0  #: What a line above the names says; 0 where none does.
     unit: str = ""  #: The unit of all columns, as a line above the names says.
+    began: str = ""  #: The date and time of its first sample, as such a line says.
 
 
 def heading_of(source: Source) -> TableHeading:
@@ -241,12 +252,28 @@ def _with_rate(source: Source, header: TableHeading) -> TableHeading:
     for line in itertools.islice(source.lines(), header.row - 1):
         if unit := _UNIT.match(line.strip()):
             header = replace(header, unit=unit[1])
-        if 0.0 < (rate := _rate_in(line)) < 1e7:
+        if 0.0 < (rate := rate_in(line)) < 1e7:
             header = replace(header, rate_hz=header.rate_hz or rate)
+        header = replace(header, began=header.began or _began_in(line))
     return header
 
 
-def _rate_in(line: str) -> float:
+def _began_in(line: str) -> str:
+    """The instant at which a line says that a recording began; empty where it says none."""
+    if (match := _BEGAN.search(line)) is None:
+        return ""
+    parts = re.split(r"[-/.]", match["date"])
+    year, month, day = parts if len(parts[0]) == 4 else reversed(parts)
+    hour, _, behind = match["time"].replace(",", ".").partition(":")
+    text = f"{year}-{month:0>2}-{day:0>2}T{hour:0>2}:{behind}"
+    try:
+        np.datetime64(text)
+    except ValueError:
+        return ""
+    return text
+
+
+def rate_in(line: str) -> float:
     """The sampling rate that a line states, itself or by its interval [Hz]; 0 where it does not."""
     if (match := _INTERVAL.search(line)) is not None:
         factor = FACTORS["time"].get(spelled(match["unit"] or match["before"] or "") or "", 0.0)

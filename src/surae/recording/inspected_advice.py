@@ -31,7 +31,14 @@ def not_one(trials: Mapping[str, TrialsInFile], clocks: Mapping[str, Clock]) -> 
 def no_shared_span(roles: Mapping[str, InspectedChannel]) -> Iterator[str]:
     """That channels have no time in common."""
     timed = [c for c in roles.values() if c.start_s is not None and c.end_s is not None]
-    if len(timed) < 2:
+    back = [c for c in timed if (c.end_s or 0.0) <= (c.start_s or 0.0)]
+    if back:
+        yield (
+            f"the time of {some([c.column for c in back], 3)} ends at {back[0].end_s:.10g} s, "
+            f"which is not after its begin, {back[0].start_s:.10g} s: it falls back; leave out the "
+            "rows from there, or tell trials that follow each other apart by a column `trial`"
+        )
+    if len(timed) < 2 or back:
         return
     last = max(timed, key=lambda c: c.start_s or 0.0)
     first = min(timed, key=lambda c: c.end_s or 0.0)
@@ -89,8 +96,13 @@ def missing_signals(inspection: Inspection) -> Iterator[str]:
             "mapping; if it is none, its file is missing"
         )
     else:
+        emg = any(role.startswith("emg_") for role in inspection.roles)
         for role in missing:
-            yield f"{role} is missing: {why[role]}; add its file"
+            alone = (
+                " (as a recording of maximum contractions EMG is enough: surae fit TRIAL "
+                "--normalise mvc --mvc FILE)"
+            )
+            yield f"{role} is missing: {why[role]}; add its file{alone * (emg and role == 'angle')}"
 
 
 def if_among(inspection: Inspection) -> str:

@@ -16,9 +16,9 @@ from surae.recording.described import TRIAL, MappedChannel, MappedTime, MappedTr
 from surae.recording.formats import open_table
 from surae.recording.recording import Channel
 from surae.recording.source import Source, open_source
-from surae.recording.table import Column, Table, fallbacks, instants, some
+from surae.recording.table import Column, IndexArray, Table, fallbacks, instants, some
 from surae.recording.times import on_one_clock, timed_by
-from surae.recording.trials import one_trial
+from surae.recording.trials import frames_begin_again, one_trial
 
 #: What gives a zero may change, from one part of so long [s] to another, by this part of the
 #: signal's own range, or by what a sensor's noise and a leg at rest bring: 1° and 1 Nm in SI.
@@ -200,9 +200,11 @@ def column_of(time: str | MappedTime) -> tuple[str, str | None]:
 def _timed(own: MappedChannel, column: Column, table: Table, where: str) -> Column:
     """A channel's column, with the times of its own clock where it has one."""
     if own.rate_hz is not None:
-        if column.time_name and (n := len(fallbacks(column.time))):
+        backs = fallbacks(column.time) if column.time_name else _frames_back(table, column)
+        if n := len(backs):
             raise InputError(
-                f"{where}: {table.file} holds {n + 1} trials, whose times fall back: rate_hz would "
+                f"{where}: {table.file} holds {n + 1} trials, whose times or frames fall back: "
+                "rate_hz would "
                 "join them; say which with trial = { column = … } or { index = … }, at the top"
             )
         even = instants(own.start_s or 0.0, own.rate_hz, len(column.time))
@@ -215,6 +217,15 @@ def _timed(own: MappedChannel, column: Column, table: Table, where: str) -> Colu
     if own.start_s is not None and len(column.time):
         column = replace(column, time=as_read_only(column.time - column.time[0] + own.start_s))
     return _clocked(column, own)
+
+
+def _frames_back(table: Table, column: Column) -> IndexArray:
+    """Where a count of frames falls back among a column's samples, which have no times."""
+    try:
+        loaded = table.load(table.names)
+    except InputError:
+        return np.empty(0, dtype=np.intp)
+    return frames_begin_again(c for c in loaded.values() if len(c.values) == len(column.values))
 
 
 def _clocked(column: Column, own: MappedChannel) -> Column:

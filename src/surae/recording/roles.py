@@ -128,6 +128,9 @@ _SIDES, _WHOLE, _SHORT, _OF_OTHER_JOINTS = (
 _FORCE = set(WORDS["force"])
 #: Units of force, in small letters.
 _FORCES = ("n", "kn", "newton", "newtons", "lbf", "lb", "kgf", "kg", "kp", "v", "mv")
+#: Those that say a force alone, and what is in kilograms and none.
+_FORCES_ALONE = ("n", "kn", "newton", "newtons", "lbf", "kgf", "kg", "kp")
+_WEIGHTS = {"mass", "weight", "bodyweight", "bw", "masse", "gewicht", "poids", "peso", "massa"}
 _FILMS: Mapping[str, Sequence[str]] = WORDS["films"]
 
 _CAMEL = re.compile(
@@ -220,7 +223,7 @@ def _by_unit(
 ) -> Guess | None:
     """What a channel may be by its unit alone, where its name says nothing of the ankle."""
     suggested = unit_kind(unit)
-    if _is_load(words, unit):
+    if _is_load(words, unit) or _is_force(words, unit):
         rule = "a force: a torque once it is multiplied by its lever arm [m] (scale)"
         return Guess(("torque",), "possible", rule, side)
     known = {*words} & (_OTHER_JOINTS | _OTHER_SENSORS | _OTHER_MUSCLES | _PLATE)
@@ -237,6 +240,14 @@ def _is_load(words: Sequence[str], unit: str | None) -> bool:
     others = _PLATE | _OTHER_JOINTS | _OTHER_MUSCLES | (_OTHER_SENSORS - _FORCE - {"forces"})
     numbered = any(word.isdigit() for word in words)
     return bool({*words} & _FORCE) and not {*words} & others and said in _FORCES and not numbered
+
+
+def _is_force(words: Sequence[str], unit: str | None) -> bool:
+    """Whether a channel is in a unit of force alone, and by its name of nothing else."""
+    others = _PLATE | _OTHER_JOINTS | _OTHER_MUSCLES | _OTHER_SENSORS | _ANGLE | _EMG | _WEIGHTS
+    numbered = any(word.isdigit() for word in words)
+    said = plain(unit or "").strip().casefold()
+    return said in _FORCES_ALONE and not {*words} & others and not numbered
 
 
 def _first(words: Sequence[str], vocabulary: Collection[str]) -> str:
@@ -293,6 +304,8 @@ def heading_unit(name: str) -> str | None:
     does "EMG (1)", which numbers its sensor.
     """
     text = name.strip()
+    if len(text) > _SHORTEST.get(unit_kind(text) or "", len(text)):  # Biodex: N-M, Degrees
+        return text
     match = _BRACKETED.fullmatch(text) or _SUFFIXED.fullmatch(text) or _COLON.fullmatch(text)
     if match is None:
         return None
@@ -315,6 +328,8 @@ def unit_is_volts(unit: str | None) -> bool:
     return unit is not None and spelled(unit) in ("V", "mV", "uV")
 
 
+#: A name that is a unit says so where it is longer: deg may be a name of its own.
+_SHORTEST = {"angle": 5, "torque": 2}
 #: A unit is no longer, and none of these words.
 _LONGEST = 12
 _NO_UNITS = {

@@ -30,6 +30,7 @@ _HALF_A_DAY = 43200.0
 #: Times [s] so large are counted from the first of them: their digits would else hide a rounding.
 _FAR = 1e6
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?")
+_OF_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+")
 _THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:,\d{3})+\.\d*")
 
 
@@ -261,6 +262,11 @@ def as_number(cell: str) -> float:
         return float(cell.replace(",", "") if _THOUSANDS.fullmatch(cell) else cell)
     except ValueError:
         pass
+    if _OF_THOUSANDS.fullmatch(cell):
+        raise ValueError(
+            f"{cell!r} has a comma, of thousands or of decimals; write numbers without thousands' "
+            "commas, decimals behind a point"
+        )
     if _DECIMAL_COMMA.fullmatch(cell):
         raise ValueError(f"{cell!r} has a decimal comma; write {cell.replace(',', '.')!r}")
     raise ValueError(f"{some([cell])} is not a number")

@@ -171,7 +171,7 @@ def time_by_shape(columns: Mapping[str, FloatArray]) -> Clock | None:
     rising = {name: steps for name, v in columns.items() if (steps := _steps(v)) is not None}
     clocks = []
     for name, step in rising.items():
-        since = unit_since_epoch(columns[name])
+        since = unit_since_epoch(columns[name]) or split_unit(name)[1]
         units = [since] if since else [u for u in clock_units() if u not in _NEVER_BY_SHAPE]
         clocks += [
             Clock(name, unit, f"it rises in nearly even steps, {1 / seconds:.4g} Hz in {unit}")
@@ -207,13 +207,22 @@ def counts(values: FloatArray) -> bool:
 
 
 def rises_in_percent(values: FloatArray) -> bool:
-    """Whether numbers go from 0 to 100 in even steps."""
+    """Whether numbers go from 0 to 100, or to 1, in even steps."""
     falls = np.flatnonzero(np.diff(values) < 0.0)
     if len(falls):  # the first of several cycles
         values = values[: falls[0] + 1]
     step = _steps(values)
     whole = step is not None and len(values) <= LOOKED_AT
-    return whole and abs(values[0]) < 1.5 * (step or 0) and abs(values[-1] - 100.0) < 1e-6
+    return (
+        whole
+        and abs(values[0]) < 1.5 * (step or 0)
+        and min(abs(values[-1] - end) for end in (100.0, 1.0)) < 1e-6
+    )
+
+
+def rises_evenly(values: FloatArray) -> bool:
+    """Whether numbers rise from sample to sample in nearly even steps."""
+    return _steps(values) is not None
 
 
 def _steps(values: FloatArray) -> float | None:

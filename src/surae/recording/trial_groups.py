@@ -17,6 +17,8 @@ from surae.recording.times import is_time, timed_by
 _BETWEEN = (": ", "/", ".")
 #: A number in a column's name that is no part of a word, with what joins it.
 _NUMBERED = re.compile(r"(?P<before>.*?\D)?(?:[ _#(-]|\b)(?P<number>\d{1,3})\)?(?P<behind>\D.*)?")
+#: What is left of ``angle(:,1)`` and ``angle(1,:)``.
+_OF_A_MATRIX = re.compile(r"(?:\(:,|,:\))$")
 _AGAIN = re.compile(r"(?P<before>.*\D)\.(?P<number>\d{1,3})")
 
 
@@ -62,6 +64,7 @@ def _numbered(names: Sequence[str]) -> dict[str, Mapping[str, str]]:
         if match is not None:
             parts = match.groupdict()
             own = f"{parts['before'] or ''}{parts.get('behind') or ''}".strip(" _-")
+            own = _OF_A_MATRIX.sub("", own)
             groups.setdefault(str(int(match["number"])), {})[own] = name
         elif name in first:
             groups.setdefault("0", {})[name] = name

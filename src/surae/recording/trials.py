@@ -4,7 +4,7 @@ Trials are never joined: what a file holds of several is named, and a mapping sa
 reads each as a recording of its own.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -24,9 +24,10 @@ from surae.recording.table import (
     regular,
     some,
 )
+from surae.recording.times import counts
 from surae.recording.trial_groups import groups_of, of_group
 
-_WORDS = set(WORDS["trial"])
+_WORDS, _FRAMES = (set(WORDS[each]) for each in ("trial", "frames"))
 _BESIDE = {"id", "no", "nr", "number", "index", "num", "name", "nummer", "numero", "label", "i"}
 #: More trials than these in a file are none; one has so many samples at least.
 _MOST = MOST_TRIALS
@@ -46,6 +47,7 @@ class TrialsInFile:
     column: str = ""  #: That column.
     falls: int = 0  #: How often the time falls back.
     sheets: bool = False  #: Whether the groups are sheets of a workbook.
+    frames: bool = False  #: Whether a count of frames falls back, where there are no times.
 
     @property
     def text(self) -> str:
@@ -55,7 +57,8 @@ class TrialsInFile:
         by = {
             "column": f"told apart by column {self.column!r} ({few}){back}",
             "group": f"{'a sheet' if self.sheets else 'a group'} each ({few})",
-            "index": f"one below the other: the time falls back {_times(self.falls)}",
+            "index": f"one below the other: the {'count of frames' if self.frames else 'time'} "
+            f"falls back {_times(self.falls)}",
         }[self.how]
         return f"{len(self.names)} trials in one file, {by}"
 
@@ -98,9 +101,12 @@ def trials_in(
         runs = _runs_of(table, name)
         if runs is not None and len(runs) > 1:
             return TrialsInFile("column", tuple(runs), name, _falls_of(table, name))
-    loaded = [c for c in (columns or {}).values() if isinstance(c, Column) and c.time_name]
+    every = [c for c in (columns or {}).values() if isinstance(c, Column)]
+    loaded = [c for c in every if c.time_name]
     if not loaded:
-        return None
+        backs = frames_begin_again(every)
+        names = tuple(str(k) for k in range(1, len(backs) + 2))
+        return TrialsInFile("index", names, falls=len(backs), frames=True) if len(backs) else None
     backs = fallbacks(loaded[0].time)
     if not len(backs):
         return None
@@ -112,6 +118,17 @@ def trials_in(
             return TrialsInFile("column", tuple(found[0]), column.name, len(backs))
     names = tuple(str(k) for k in range(1, len(backs) + 2))
     return TrialsInFile("index", names, falls=len(backs))
+
+
+def frames_begin_again(columns: Iterable[Column]) -> IndexArray:
+    """First samples of all trials but the first, by a count of frames; empty where none falls back.
+
+    Counters of packets begin again too, and are no frames.
+    """
+    for column in columns:
+        if {*words_of(column.name)} & _FRAMES and counts(column.values):
+            return fallbacks(column.values)
+    return np.empty(0, dtype=np.intp)
 
 
 def _constant(column: Column, backs: IndexArray) -> bool:
@@ -228,6 +245,8 @@ def _by_time(table: Table, where: str) -> tuple[list[str], IndexArray]:
             backs = fallbacks(table.load([name])[name].time)
         except InputError:
             continue
+        if not table.time_name:
+            backs = frames_begin_again(table.load(table.names).values())
         return [str(k) for k in range(1, len(backs) + 2)], np.array([0, *backs], dtype=np.intp)
     raise InputError(f"{where}: trial: {table.file} has no column that can be read")
 

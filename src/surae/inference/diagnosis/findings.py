@@ -7,7 +7,13 @@ import numpy as np
 
 from surae.base.words import Message
 from surae.inference.diagnosis.angle import wrong_angle
-from surae.inference.diagnosis.clocks import clock_drift, clock_finding, estimated_clock
+from surae.inference.diagnosis.between import (
+    cannot_tell,
+    drifting_clock,
+    lag_finding,
+    lagging_stream,
+)
+from surae.inference.diagnosis.clocks import clock_finding, estimated_clock
 from surae.inference.diagnosis.competing import GOOD_ENOUGH, Rivals, best_of, rivals, signs
 from surae.inference.diagnosis.explanations import EVIDENCE, EXPLAINS, evidence
 from surae.inference.diagnosis.long import examined_in_windows, is_long
@@ -97,7 +103,7 @@ def _examined(
     fit = quick_fit(right, signals) if told else None
     if fit is None:
         return _together(quality, findings)
-    drift = clock_drift(right, signals, fit)
+    drift = drifting_clock(right, signals, fit)
     if drift is not None:  # all that follows from it is no finding
         findings.append(clock_finding(drift, signals))
         signals = drift.right(signals)
@@ -108,9 +114,43 @@ def _examined(
         if with_signs is not right:
             quality = check_recording(with_signs, commanded, electrodes=electrodes)
         return _together(quality, [*findings, *wrong], but=("torque-sign",))
-    said, false = _by_fit(quality, right, signals, fit, tries, steady=drift is None)
+    return _by_a_fit(quality, right, signals, (fit, tries, drift is None), findings)
+
+
+def _by_a_fit(
+    quality: Quality,
+    right: Recording,
+    signals: Signals,
+    tried: tuple[QuickFit, Rivals, bool],
+    findings: list[Finding],
+) -> Quality:
+    """Findings beside those of the checks, where all signs are right.
+
+    `tried` are the fit, its rivals and whether clocks run at a steady difference.
+    """
+    fit, tries, steady = tried
+    if steady:
+        quality, signals, fit, tries, apart = _in_step(quality, right, signals, fit, tries)
+        findings = [*findings, *apart]
+    said, false = _by_fit(quality, right, signals, fit, tries, steady=steady)
     true = tuple(finding for finding in quality.findings if finding not in false)
     return _together(replace(quality, findings=true), [*findings, *said])
+
+
+def _in_step(
+    quality: Quality, right: Recording, signals: Signals, fit: QuickFit, tries: Rivals
+) -> tuple[Quality, Signals, QuickFit, Rivals, list[Finding]]:
+    """An angle or torque that is out of step, put right, or why none can be told to be."""
+    emg = None if tries.lag is None else tries.lag.how.fit
+    lag = lagging_stream(right, signals, fit, emg)
+    if lag is not None:
+        signals = moved(signals, lag.seconds, 0.0, lag.stream)
+        tries = rivals(right, signals, lag.after)
+        return quality, signals, lag.after, tries, [lag_finding(lag, signals)]
+    if reason := cannot_tell(right, signals, fit):
+        unsaid = Skipped("angle-torque-lag", reason)
+        quality = replace(quality, skipped=(*quality.skipped, unsaid))
+    return quality, signals, fit, tries, []
 
 
 def _by_fit(

@@ -30,6 +30,8 @@ _SECONDS = 300.0
 _PIECE = 3600.0
 #: What a window lacks another may have: it is said of the recording where all windows lack it.
 _LACKING = ("active-not-active", "angle-still", "rom-not-covered", "trial-too-short")
+#: Clocks run apart later on, and lags have other causes then: the first window says it alone.
+_CLOCKS = ("emg-clock", "angle-clock", "torque-clock")
 #: What may happen once.
 _ONCE = ("mains-hum", "overshoot", "position-steps", "reflex-suspected", "stretch-series")
 #: What is found of the whole recording, and so not again in its windows.
@@ -144,7 +146,7 @@ def _of_windows(judged: Sequence[Quality]) -> list[Finding]:
     for group in groups:
         for code in {finding.code for finding in group}:
             most[code] = most.get(code, 0) + 1
-    at_first = {f.code for f in groups[0] if f.code == "emg-clock"} if groups else set()
+    at_first = {f.code for f in groups[0] if f.code in _CLOCKS} if groups else set()
 
     def holds(code: str) -> bool:
         asked = len(groups) if code in _LACKING else 1 if code in _ONCE else (len(groups) + 1) // 2

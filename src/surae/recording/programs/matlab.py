@@ -29,14 +29,16 @@ from surae.recording.programs.foreign import Parsed, foreign_table, packed
 from surae.recording.programs.matlab_layouts import beside, by_channel, known, texts
 from surae.recording.programs.matlab_variables import (
     DEEPEST,
-    RATES,
-    STARTS,
+    STARTS_IN_SECONDS,
     MatlabObject,
     bare,
+    interval_said,
     is_start,
     matlab5,
     matlab73,
     objects,
+    rate_said,
+    start_unit,
 )
 from surae.recording.source import Source
 from surae.recording.table import Table, some
@@ -51,8 +53,6 @@ _USER_BLOCK = 512
 _TIMES = dict.fromkeys(("time", "times", "t"), 1.0) | {
     f"{name}_{unit}": factor for name in ("time", "t") for unit, factor in FACTORS["time"].items()
 }
-#: Of these a number is seconds; of the others it may be a count of samples.
-_IN_SECONDS = STARTS[:3]
 _UNITS = ("units", "unit")
 _TITLES = ("title", "comment")
 _LONGEST_UNIT = 100
@@ -140,8 +140,10 @@ def _start(variables: Mapping[str, Any]) -> float:
             continue
         if _shape(value) == (1,):
             number = float(_floats(value)[0])
-            since = unit_since_epoch(np.array([number]))
-            if since or (np.isfinite(number) and bare(name) in _IN_SECONDS):
+            since = start_unit(name) or unit_since_epoch(np.array([number]))
+            # A count of samples is whole.
+            seconds = bare(name) in STARTS_IN_SECONDS or number != round(number)
+            if np.isfinite(number) and (since or seconds):
                 return number * (clock_seconds(since or "s") or 1.0)
         for text in texts(value):
             try:
@@ -310,12 +312,13 @@ def _spike2(name: str, channel: Mapping[str, Any]) -> Parsed:
 
 
 def _rate(variables: Mapping[str, Any], where: str) -> float | None:
-    """The sampling rate among some variables [Hz]."""
-    rates = {
-        name: _floats(value).item()
-        for name, value in variables.items()
-        if bare(name) in RATES and _shape(value) == (1,)
-    }
+    """The sampling rate among some variables [Hz], or one over the interval where none is."""
+    numbers = {n: _floats(v).item() for n, v in variables.items() if _shape(v) == (1,)}
+    rates = {n: rate for n, x in numbers.items() if (rate := rate_said(n, x)) is not None}
+    for name, number in () if rates else numbers.items():
+        factor = interval_said(name)
+        if factor is not None and number > 0.0:
+            rates[name] = 1.0 / (number * factor)
     if not rates:
         return None
     rate, *others = set(rates.values())

@@ -8,12 +8,21 @@ from typing import Any
 
 import numpy as np
 
+from surae.base.units import FACTORS
 from surae.recording.hdf5 import fixed_text, is_plain, member
 
 #: Names of a sampling rate [Hz], in small letters without ``_``.
 RATES = ("fs", "rate", "ratehz", "samplingrate", "samplerate", "samplingfrequency")
+#: Names of the time from one sample to the next.
+INTERVALS = {"dt", "deltat", "ts", "interval", "period", "timestep"}
+INTERVALS |= {"samplinginterval", "samplingperiod", "sampleinterval", "sampleperiod"}
 #: Names of an instant at which a structure's or group's signals begin, likewise.
-STARTS = ("starttime", "startingtime", "t0", "start", "begin", "timestamp", "recordingstart")
+STARTS = {"start", "begin", "timestamp", "starttimestamp", "recordingstart", "acquisitionstart"}
+#: Of these a number is seconds; of the others it may be a count of samples.
+STARTS_IN_SECONDS = {"starttime", "startingtime", "t0", "tstart", "startoffset", "timeoffset"}
+STARTS |= STARTS_IN_SECONDS
+#: These are an instant where a unit of time stands behind them alone.
+_STARTS_BY_UNIT = ("offset", "began")
 #: Structures within structures.
 DEEPEST = 4
 #: Variables in a file, attributes of one, texts in one.
@@ -134,13 +143,41 @@ def _group(group: Any, remaining: list[int], depth: int, seen: set[int]) -> dict
 
 
 def is_rate(name: str) -> bool:
-    """Whether a variable or an attribute is a sampling rate, by its name."""
-    return bare(name) in RATES
+    """Whether a variable or an attribute is a sampling rate or interval, by its name."""
+    return rate_said(name, 1.0) is not None or interval_said(name) is not None
+
+
+def rate_said(name: str, number: float) -> float | None:
+    """The sampling rate [Hz] that a number is by its name; None where it is none."""
+    own = bare(name)
+    for unit, factor in (("khz", 1e3), ("hz", 1.0), ("", 1.0)):
+        if own.endswith(unit) and own[: len(own) - len(unit)] in RATES:
+            return number * factor
+    return None
+
+
+def interval_said(name: str) -> float | None:
+    """Factor to seconds of the time between samples that a name says; None where it says none."""
+    stem, unit = _with_unit(name)
+    return FACTORS["time"][unit or "s"] if stem in INTERVALS else None
 
 
 def is_start(name: str) -> bool:
     """Whether a variable or an attribute is when signals begin, by its name."""
-    return bare(name) in STARTS
+    stem, unit = _with_unit(name)
+    return stem in STARTS or bare(name) in STARTS or (bool(unit) and stem in _STARTS_BY_UNIT)
+
+
+def start_unit(name: str) -> str:
+    """The unit of time in the name of a start; empty where it has none."""
+    return "" if bare(name) in STARTS else _with_unit(name)[1]
+
+
+def _with_unit(name: str) -> tuple[str, str]:
+    """A name in small letters and the unit of time that it ends with, apart; or no unit."""
+    stem, _, last = name.casefold().rpartition("_")
+    unit = last if stem and last in FACTORS["time"] else ""
+    return bare(stem if unit else name), unit
 
 
 def bare(name: str) -> str:

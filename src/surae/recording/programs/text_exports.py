@@ -20,6 +20,7 @@ from surae.recording.headings import TableHeading
 from surae.recording.source import Source
 from surae.recording.table import Clock, Column, Table
 
+_COMMENT = re.compile(rb"\t#(?:\d+|\*)[^\t\r\n]*(?=[\r\n]|$)")
 #: Lines that may stand above the numbers.
 _MOST = 400
 
@@ -63,13 +64,20 @@ def open_table(source: Source) -> Table:
     head = TableHeading(
         said.row, _apart(said.names), said.delimiter, {}, said.units, rate_hz=said.rate_hz
     )
-    body = body_of(source, head)
+    body = (
+        body_of(_without_comments(source), head) if program == "LabChart" else body_of(source, head)
+    )
     clock = Clock(said.time, said.time_unit, f"{program}'s times") if said.time else None
     remark = "; ".join(filter(None, (source.decoded, body.remark)))
     given = clock is not None
     table = table_of(body.source, head, clock, form=program, remark=remark, given=given)
     table = replace(table, header=None)
     return _announced(table, said.samples) if said.samples else table
+
+
+def _without_comments(source: Source) -> Source:
+    """A text without what LabChart writes behind a row: ``#1 contraction begins``."""
+    return replace(source, data=_COMMENT.sub(b"", source.data))
 
 
 def _announced(table: Table, samples: int) -> Table:
@@ -136,7 +144,9 @@ def _labchart(lines: Sequence[str]) -> _Said:
     units = dict(zip(titles, said["UnitName"][1], strict=False)) if "UnitName" in said else {}
     count = len(lines[above].rstrip("\t").split("\t")) if above < len(lines) else len(titles) + 1
     interval = said["Interval"][1][0].split() if "Interval" in said else ["0", "s"]
-    seconds = float(interval[0]) * FACTORS["time"].get(spelled(interval[-1]) or "s", 1.0)
+    seconds = float(interval[0].replace(",", ".")) * FACTORS["time"].get(
+        spelled(interval[-1]) or "s", 1.0
+    )
     if count == len(titles):  # the times were left out
         return _Said(above, tuple(titles), units, 1.0 / seconds if seconds > 0 else 0.0)
     return _Said(above, ("Time", *titles), {k: u for k, u in units.items() if u}, time="Time")
