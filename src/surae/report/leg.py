@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from surae.base.frozen import FrozenDict
 from surae.base.units import FloatArray
 from surae.inference import AssessedFit, Grade
 from surae.inference.judging.reasons import OF_OTHER_TRIALS, OF_STIFFNESS, Reason
@@ -28,13 +29,14 @@ from surae.measures.torque_curve import (
 from surae.measures.working import WorkingStiffness, working_stiffness
 from surae.model.joint import ANKLE
 from surae.nerve.leg import Nerve
+from surae.quality import Quality
 from surae.report import block, leg_cards
 from surae.report.figures import Figure
 from surae.report.figures.leg import shares_bar, stiffness_figure
 from surae.report.language import Words
 from surae.report.nerve_card import nerve_card, stiffness_of
 from surae.report.rest_card import rest_card, stated_angle
-from surae.report.trust_card import next_trial, trust
+from surae.report.trust_card import missed_trial, next_trial, trust
 from surae.report.working_card import working_card
 from surae.trials import Trial
 
@@ -52,6 +54,8 @@ class LegAnswers:
     figures: Mapping[str, Figure]
     measures: Measures | None
     at: float  #: The angle of torque and stiffness [deg].
+    numbers: Measures | None  #: Those for readers: of all trials, or `of` the one that is followed.
+    of: str  #: The trial; empty: all.
     zero: float  #: What the torque's zero is off by, in all trials [Nm]; 0 where that is not known.
 
 
@@ -64,11 +68,13 @@ def leg_answers(
     contradicted: Sequence[str] = (),
     before: AssessedFit | None = None,
     nerve: Nerve | None = None,
+    quality: Mapping[str, Quality] = FrozenDict(),
 ) -> LegAnswers:
     """Answer the questions of a leg; how much is nerve where that was measured.
 
     `fits` are of each trial by itself, `joint` of all together or of the only trial that was
     fitted, `before` of an earlier visit; in `contradicted` parameters trials contradict each other.
+    `quality` is what was found in each trial.
     """
     holds, stretches = _measured(trials, fits)
     of_fit = None
@@ -130,6 +136,7 @@ def leg_answers(
             _("Can I trust it?"),
             (
                 *trust(joint, contradicted, _, alone=alone, nerve=nerve),
+                *missed_trial(joint, quality, _),
                 *next_trial(joint, holds, stretches, _),
             ),
             "trust",
@@ -137,7 +144,13 @@ def leg_answers(
         (_("How much is nerve?"), nerves, "nerve"),
     )
     return LegAnswers(
-        tuple(block.Section(*card, "card") for card in sections), figures, of_fit, at, zero
+        tuple(block.Section(*card, "card") for card in sections),
+        figures,
+        of_fit,
+        at,
+        of_fit if alone is None else measures(alone[1], sorted({at, *ANGLES})),
+        "" if alone is None else alone[0],
+        zero,
     )
 
 

@@ -31,6 +31,8 @@ PASSIVE = {"k_tri", "x0_tri", "k_tib", "x0_tib", "k_rel"}
 _CALF = slice(1, 4)
 #: A part is most of the torque where all of its interval is above this [%].
 _HALF = 50.0
+#: Part of a value below which the lower end of its interval is next to nothing.
+_NOTHING = 0.1
 #: Share of the torque from which a part is written [%].
 _WRITTEN = 1.0
 
@@ -38,6 +40,14 @@ _WRITTEN = 1.0
 def is_known(m: Measure) -> bool:
     """Whether a measure is known well enough to be shown as a number."""
     return m.ci95 is not None and m.verdict in (Verdict.IDENTIFIED, Verdict.WEAK)
+
+
+def is_told(m: Measure) -> bool:
+    """Whether it is known, and not from next to nothing up: that tells an upper end at most."""
+    if m.value is None or m.ci95 is None or not is_known(m):
+        return False
+    near = m.ci95[0] if m.value > 0.0 else -m.ci95[1]
+    return m.unit == "deg" or near >= _NOTHING * abs(m.value)
 
 
 def modelled_stiffness(
@@ -224,7 +234,7 @@ def has_no_calf(joint: AssessedFit) -> bool:
 
 def _tendon(of_fit: Measures, _: Words) -> block.Text:
     m = of_fit.get("tendon_strain_tri@500N")
-    if m is None or not is_known(m) or m.value is None:
+    if m is None or not is_told(m) or m.value is None:
         return block.Text(
             _("Tendon: not measured. Ultrasound of the muscle would show it."), "note"
         )

@@ -1,6 +1,6 @@
 """Whether a leg's numbers can be trusted, in words, and what to record next."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +11,7 @@ from surae.measures.agreement import said_of
 from surae.measures.torque_curve import HeldPoint, Stretch
 from surae.model.source_table import advice
 from surae.nerve.leg import Nerve
+from surae.quality import Quality
 from surae.report import block
 from surae.report.language import Words
 from surae.report.leg_cards import PASSIVE, has_no_calf
@@ -71,6 +72,20 @@ def trust(
         )
         lines.append(block.Text(said))
     return tuple(lines)
+
+
+def missed_trial(
+    joint: AssessedFit | None, quality: Mapping[str, Quality], _: Words
+) -> tuple[block.Block, ...]:
+    """What was found in the torque or angle of a trial that is not followed, and what to do."""
+    told = () if joint is None else joint.assessment.adequacy.against
+    for reason in told:
+        name = str(reason.values.get("trial", ""))
+        if reason.code == "trial-not-followed" and name in quality:
+            for each in quality[name].findings:
+                if each.channel in ("torque", "angle") and each.severity != "info":
+                    return (block.Text(_.finding(each), lead=f"{name}:"),)
+    return ()
 
 
 def _of_small_movements(predicted: float, _: Words) -> block.AdequacyWords:
