@@ -11,8 +11,9 @@ from surae.base.units import on_page
 from surae.inference import Verdict
 from surae.report import block
 from surae.report.figures.first import SHOWN, first_figure
-from surae.report.first import _is_told, asked, first_screen, grade_line
+from surae.report.first import asked, first_screen, grade_line
 from surae.report.fit import fit_report
+from surae.report.leg_cards import is_told
 from surae.report.traces import traces_of
 
 
@@ -140,4 +141,4 @@ def test_pages_have_one_unit_for_one_thing(unit, of_one):
 def test_what_reaches_down_to_nothing_is_not_told_first(plain, value, ci95, told):
     m = first_screen(plain, traces_of(plain.result)).measures[0]
     judged = replace(m, value=value, ci95=ci95, unit="Nm/deg", verdict=Verdict.WEAK)
-    assert _is_told(judged) == told
+    assert is_told(judged) == told

@@ -7,7 +7,7 @@ import pytest
 
 import surae
 from surae.base.frozen import FrozenDict
-from surae.inference import Grade
+from surae.inference import Grade, Verdict
 from surae.measures.norms import Norm
 from surae.nerve.leg import Nerve
 from surae.report import block
@@ -75,9 +75,12 @@ def test_nerve_that_was_measured_is_not_called_unmeasured() -> None:
 
 def test_one_visit_says_which_change_would_show(done) -> None:
     m = done[1].joint.measures()["end_stiffness"]
-    told = replace(m, sdc=0.123, unit="Nm/deg")
-    text = [b.text for b in change_card(None, EN, told)]
-    assert text[-1].endswith("a change of 0.12 Nm/° or more would show.")
+    told = replace(m, sdc=0.123, unit="Nm/deg", ci95=(0.1, 0.3), verdict=Verdict.WEAK)
+    said = change_card(None, EN, told)[0]
+    assert (said.look, said.lead) == ("say", "One visit")
+    assert said.text.endswith("a change of 0.12 Nm/° or more would show")
+    unknown = change_card(None, EN, replace(told, verdict=Verdict.UNDETERMINED))
+    assert not [b for b in unknown if "would show" in b.text]
     silent = change_card(None, EN, replace(m, sdc=None))
     assert not [b for b in silent if "would show" in b.text]
 

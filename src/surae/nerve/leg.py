@@ -47,6 +47,9 @@ class Nerve:
     share: IntervalEstimate | None = None  #: Reflex's share of the torque's variance [%].
     stiffness: IntervalEstimate | None = None  #: Of tissue, and of muscles as they were [Nm/rad].
     problems: tuple[str, ...] = ()  #: Why some recordings could not be used.
+    #: Part of the torque [%] of a perturbed recording's second half that its first predicts: the
+    #: least of all recordings; None without such.
+    held_out: float | None = None
 
 
 def of_session(small: Sequence[Recording], slow_and_fast: Sequence[Recording]) -> Nerve:
@@ -102,6 +105,14 @@ def nerve_of(
         for m in (impedance.measures[n] for n in ("reflex_share", "intrinsic_stiffness"))
     )
     reflex = impedance.reflex
+    held_out = min(recording.vaf_held_out for recording in impedance.recordings)
     return Nerve(
-        seen, threshold, reflex.verdict, reflex.direction, share, stiffness, tuple(problems)
+        seen,
+        threshold,
+        reflex.verdict,
+        reflex.direction,
+        share,
+        stiffness,
+        tuple(problems),
+        held_out,
     )

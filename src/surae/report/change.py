@@ -16,8 +16,9 @@ from surae.report.figures.change import before_and_after_figure, course_figure
 from surae.report.figures.leg import visits_figure
 from surae.report.language import MEASURES, Words, words_in
 from surae.report.leg import angle_of
-from surae.report.leg_cards import change_card, differing, light, reason_of, sides
+from surae.report.leg_cards import change_card, differing, sides
 from surae.report.output import Report
+from surae.report.trust_card import light, reason_of
 
 #: Where torque and stiffness are given where no fit says better [deg].
 _ANGLE = 10.0

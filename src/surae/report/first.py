@@ -23,7 +23,7 @@ from surae.report.figures.relaxed import relaxed_figure
 from surae.report.invariants import is_invariant
 from surae.report.language import MEASURES, Words, words_in
 from surae.report.leg import angle_of
-from surae.report.leg_cards import is_known, on_page_of
+from surae.report.leg_cards import is_told, on_page_of
 from surae.report.provenance import requested
 from surae.report.rest_card import stated_angle
 from surae.report.traces import Traces
@@ -41,8 +41,6 @@ _RELAXED = (
 _AT_TORQUE = "range_at_torque@10Nm"
 #: Rows of each kind at most, so that the screen holds them.
 _MOST = 5
-#: Part of a value below which the lower end of its interval is next to nothing.
-_NOTHING = 0.1
 #: Letters from which on a setting's value is listed below alone.
 _LONG = 40
 #: Size of the relaxed curve [inch].
@@ -159,7 +157,7 @@ def _table(told: Sequence[Measure], at: float, words: Words) -> block.Grid:
         (words("Relaxed leg"), tuple(_rows(relaxed, words))),
         ("Muscles, whatever arms and paths are", tuple(_rows(muscles, words))),
     ]
-    if missing := [m for m in (*relaxed, *muscles) if not _is_told(m)]:
+    if missing := [m for m in (*relaxed, *muscles) if not is_told(m)]:
         names = ", ".join(_called(m, words) for m in missing)
         groups.append(("", ((block.Cell(why=f"Not known: {names}."),),)))
     heads = block.columns("", "Value", "95 %", "", numbers=(1, 2), wide=(0,))
@@ -175,17 +173,9 @@ def _is_relaxed(m: Measure, at: float) -> bool:
     return base in _RELAXED and (not point.endswith("deg") or point == f"{at:g}deg")
 
 
-def _is_told(m: Measure) -> bool:
-    """Whether it is known, and not from next to nothing up: that tells an upper end at most."""
-    if m.value is None or m.ci95 is None or not is_known(m):
-        return False
-    near = m.ci95[0] if m.value > 0.0 else -m.ci95[1]
-    return m.unit == "deg" or near >= _NOTHING * abs(m.value)
-
-
 def _rows(measures: Sequence[Measure], words: Words) -> Iterator[block.Row]:
     """Those that are known, a row each."""
-    for m in [m for m in measures if _is_told(m)][:_MOST]:
+    for m in [m for m in measures if is_told(m)][:_MOST]:
         number, ci95 = on_page_of(m)
         assert ci95 is not None
         value, half = with_half(number, ci95)

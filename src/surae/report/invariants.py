@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from surae.base.formatting import of_interval
+from surae.base.formatting import NO_NUMBER, of_interval
 from surae.base.units import on_page
 from surae.inference import AssessedFit
 from surae.measures import Measure
@@ -10,7 +10,7 @@ from surae.measures.compute import judged_measures
 from surae.measures.points import points
 from surae.measures.table import INVARIANT
 from surae.report import block
-from surae.report.leg_cards import on_page_of
+from surae.report.leg_cards import is_told, on_page_of
 
 _NAMES = frozenset(definition.name for definition in INVARIANT)
 _NOTE = (
@@ -32,7 +32,7 @@ def invariants(fit: AssessedFit) -> tuple[Measure, ...]:
 
 
 def invariants_section(measures: Sequence[Measure]) -> block.Section:
-    """A row for each that has a value."""
+    """A row for each that has a value; where its interval says nothing, that stands alone."""
     rows = []
     for m in measures:
         if m.value is None:
@@ -41,7 +41,7 @@ def invariants_section(measures: Sequence[Measure]) -> block.Section:
         rows.append(
             (
                 block.Cell(m.name, kind="code", meaning=m.meaning),
-                text.value,
+                text.value if is_told(m) else NO_NUMBER,
                 text.interval,
                 on_page(m.unit)[0],
                 block.verdict(m.verdict, why=m.note),

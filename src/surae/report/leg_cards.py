@@ -1,22 +1,20 @@
-"""The four answers of a leg's page in words: stiffness, what resists, what changed, and trust."""
+"""Answers of a leg's page in words: stiffness, what resists, and what changed."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from surae.base.formatting import NO_NUMBER, short, significant
 from surae.base.units import on_page
-from surae.inference import Adequacy, AssessedFit, Assessment, Grade, Verdict
-from surae.inference.judging.reasons import OF_OTHER_TRIALS, Reason
+from surae.inference import AssessedFit, Grade, Verdict
+from surae.inference.judging.reasons import Reason
 from surae.measures import Measure, Measures
-from surae.measures.agreement import said_of
 from surae.measures.change.result import Change
 from surae.measures.difference import ChangeVerdict, Difference
 from surae.measures.norms import Norm
 from surae.measures.table import LEADING
-from surae.measures.torque_curve import HeldPoint, MeasuredSlope, Stretch
-from surae.model.source_table import advice
+from surae.measures.torque_curve import MeasuredSlope
+from surae.nerve.leg import Nerve
 from surae.report import block
 from surae.report.language import PARTS, Words
 from surae.report.normal import beside
@@ -33,6 +31,8 @@ PASSIVE = {"k_tri", "x0_tri", "k_tib", "x0_tib", "k_rel"}
 _CALF = slice(1, 4)
 #: A part is most of the torque where all of its interval is above this [%].
 _HALF = 50.0
+#: Part of a value below which the lower end of its interval is next to nothing.
+_NOTHING = 0.1
 #: Share of the torque from which a part is written [%].
 _WRITTEN = 1.0
 
@@ -40,6 +40,14 @@ _WRITTEN = 1.0
 def is_known(m: Measure) -> bool:
     """Whether a measure is known well enough to be shown as a number."""
     return m.ci95 is not None and m.verdict in (Verdict.IDENTIFIED, Verdict.WEAK)
+
+
+def is_told(m: Measure) -> bool:
+    """Whether it is known, and not from next to nothing up: that tells an upper end at most."""
+    if m.value is None or m.ci95 is None or not is_known(m):
+        return False
+    near = m.ci95[0] if m.value > 0.0 else -m.ci95[1]
+    return m.unit == "deg" or near >= _NOTHING * abs(m.value)
 
 
 def modelled_stiffness(
@@ -161,8 +169,9 @@ def made_of(
     _: Words,
     *,
     disputed: bool = False,
+    where: str = "",
 ) -> tuple[block.Block, ...]:
-    """The shares of the torque, where the recordings separate them."""
+    """The shares of the torque, where the recordings separate them; `where`: in which of them."""
     if joint is None or of_fit is None:
         return (
             block.Text("", "say", _("Not known")),
@@ -173,13 +182,13 @@ def made_of(
     why = ""
     if not parts:
         why = _("Record one trial in which the calf works and rests in turn, with its EMG: 35 s.")
-        if _no_calf(joint):
+        if has_no_calf(joint):
             why = _("Record the same trial with EMG of soleus and both gastrocnemii: 35 s.")
     elif of_fit.adequacy.grade is Grade.INADEQUATE:
         why = _("The fit is not good enough: first do what “Can I trust it?” says.")
     if why:
         return block.Text("", "say", _("Cannot separate")), block.Text(why), _tendon(of_fit, _)
-    unheard = _no_calf(joint)
+    unheard = has_no_calf(joint)
     headline = share_words(parts, _, unheard=unheard, disputed=disputed)
     numbers = " · ".join(
         f"{_(message)} {value:.0f} % ({_.span(f'{max(ci[0], 0):.0f}', f'{min(ci[1], 100):.0f}')})"
@@ -190,7 +199,7 @@ def made_of(
     picture = block.Picture("made", alt, numbers, "here", 100)
     text = _("No EMG of the calf was recorded: tissue may be less, and muscle more.")
     hidden = (block.Text(text, "note"),) if unheard else ()
-    said = block.Text(_("in these trials"), "say", headline)
+    said = block.Text(where or _("in these trials"), "say", headline)
     return said, picture, *hidden, _tendon(of_fit, _)
 
 
@@ -218,13 +227,14 @@ def share_words(
     return next((said for holds, said in claims if holds), _("Not clear which resists more"))
 
 
-def _no_calf(joint: AssessedFit) -> bool:
+def has_no_calf(joint: AssessedFit) -> bool:
+    """Whether a fit has no EMG of the calf."""
     return not any(np.ptp(each.emg[:, _CALF]) for each in joint.result.problem.inputs)
 
 
 def _tendon(of_fit: Measures, _: Words) -> block.Text:
     m = of_fit.get("tendon_strain_tri@500N")
-    if m is None or not is_known(m) or m.value is None:
+    if m is None or not is_told(m) or m.value is None:
         return block.Text(
             _("Tendon: not measured. Ultrasound of the muscle would show it."), "note"
         )
@@ -234,28 +244,17 @@ def _tendon(of_fit: Measures, _: Words) -> block.Text:
 
 
 def change_card(
-    change: Change | None, _: Words, told: Measure | None = None
+    change: Change | None, _: Words, told: Measure | None = None, nerve: Nerve | None = None
 ) -> tuple[block.Block, ...]:
     """What changed since another visit, or between two legs, in measures that are fixed.
 
-    Of one visit: from which change on another would show it, in the measure `told` first.
+    Of one visit: from which change on another would show it, in the measure `told`; else below
+    which none would, in the stiffness that `nerve` has.
     """
     if change is None:
-        lines = [
-            block.Text("", "say", _("One visit")),
-            block.Text(_("Record the same trials again another day, and add that visit.")),
-        ]
-        if told is not None and told.sdc is not None:
-            unit, factor = on_page(told.unit)
-            least = _.number(significant(factor * told.sdc, 2))
-            text = _(
-                "{measure}: a change of {least} {unit} or more would show.",
-                measure=_.measure(told.name),
-                least=least,
-                unit=unit,
-            )
-            lines.append(block.Text(text, "note"))
-        return tuple(lines)
+        again = _("Record the same trials again another day, and add that visit.")
+        said = block.Text(_would_show(told, nerve, _), "say", _("One visit"))
+        return said, block.Text(again)
     every = {**change.measures, **change.parameters}
     found = [d for n, d in every.items() if n in COMPARED or d.asked]
     found += [d for d in change.changed if d not in found]
@@ -277,6 +276,27 @@ def change_card(
     title = _("Asked beforehand, and what changed")
     table = block.Grid(title, heads, block.rows(rows), "small")
     return block.Text(_(change.sentence), "say", headline), table
+
+
+def _would_show(told: Measure | None, nerve: Nerve | None, _: Words) -> str:
+    """From which change on another visit would show it, or below which not; empty: not known."""
+    if told is not None and told.sdc is not None and is_known(told):
+        unit, factor = on_page(told.unit)
+        return _(
+            "so far. {measure}: a change of {least} {unit} or more would show",
+            measure=_.measure(told.name),
+            least=_.number(significant(factor * told.sdc, 2)),
+            unit=unit,
+        )
+    stiff = None if nerve is None else nerve.stiffness
+    if stiff is None or stiff.value is None:
+        return ""
+    half = 0.5 * float(np.deg2rad(stiff.ci95[1] - stiff.ci95[0]))
+    return _(
+        "so far. Stiffness against small movements: a change of less than {least} Nm/° would "
+        "not show",
+        least=_.number(significant(float(np.sqrt(2.0)) * half, 2)),
+    )
 
 
 def sides(change: Change, _: Words) -> tuple[str, str]:
@@ -311,85 +331,3 @@ def titled(m: Measure | Difference, _: Words) -> str:
     where = over(m, _)
     name = _.measure(m.name) + (f", {where}" if where else "")
     return f"{name} [{unit}]" if unit else name
-
-
-def light(adequacy: Adequacy, reason: str, _: Words) -> block.AdequacyWords:
-    """One light with one reason."""
-    mark, text = {
-        Grade.ADEQUATE: ("●", _("Yes: {reason}.", reason=reason)),
-        Grade.DOUBTFUL: ("▲", _("With caution: {reason}.", reason=reason)),
-        Grade.INADEQUATE: ("■", _("No: {reason}.", reason=reason)),
-    }[adequacy.grade]
-    return block.AdequacyWords(str(adequacy.grade), mark, text, ())
-
-
-def trust(
-    joint: AssessedFit | None, contradicted: Sequence[str], _: Words
-) -> tuple[block.Block, ...]:
-    """One light with the reason that weighs most, and what to do about a trial that disagrees."""
-    if joint is None:
-        none = Adequacy(Grade.INADEQUATE, (), np.nan)
-        return (light(none, _("there is no fit of this leg as a whole"), _),)
-    result = joint.result
-    assessment = joint.assessment
-    adequacy = assessment.adequacy
-    if adequacy.grade is Grade.ADEQUATE and contradicted:
-        adequacy = replace(adequacy, grade=Grade.DOUBTFUL)
-    reason = reason_of(assessment, contradicted, _)
-    followed = _.many(
-        "The model follows {r2} % of the torque’s changes in {n} trial.",
-        "The model follows {r2} % of the torque’s changes in {n} trials.",
-        len(result.problem.inputs),
-        r2=_.number(f"{adequacy.r2:.1f}".replace("-", "−")),
-    )
-    other = [each for each in adequacy.against if each.code in OF_OTHER_TRIALS]
-    advised = (block.Text(_(said_of(other[0]))),) if other else ()
-    return light(adequacy, reason, _), *advised, block.Text(followed)
-
-
-def reason_of(assessment: Assessment, contradicted: Sequence[str], _: Words) -> str:
-    """The one reason that weighs most, in plain words: first what a trial by its name says."""
-    against = assessment.adequacy.against
-    if named := [each for each in against if each.code in OF_OTHER_TRIALS]:
-        return _(named[0].plain)
-    if contradicted and PASSIVE & set(contradicted):
-        return _.many(
-            "{n} value differs between trials",
-            "{n} values differ between trials",
-            len(contradicted),
-        )
-    if contradicted:
-        return _.many(
-            "{n} value differs between trials; stiffness is not affected",
-            "{n} values differ between trials; stiffness is not affected",
-            len(contradicted),
-        )
-    if bound := sum(p.at_bound and p.free for p in assessment.parameters.values()):
-        return _.many(
-            "{n} value reached its limit and can’t be trusted",
-            "{n} values reached their limits and can’t be trusted",
-            bound,
-        )
-    return _(against[0].plain) if against else _("nothing speaks against these numbers")
-
-
-def next_trial(
-    joint: AssessedFit | None, holds: Sequence[HeldPoint], stretches: Sequence[Stretch], _: Words
-) -> tuple[block.Block, ...]:
-    """What to record next, the plainest need first."""
-    if not stretches and len(holds) < 3:
-        text = _("One slow passive stretch over the whole range.")
-    elif joint is not None and _no_calf(joint):
-        text = _("The same trials with EMG of the calf: soleus and both gastrocnemii.")
-    else:
-        weights: dict[str, float] = {}
-        for p in joint.assessment.parameters.values() if joint is not None else ():
-            if p.free and p.verdict is not Verdict.IDENTIFIED:
-                for source, share in (p.budget or {}).items():
-                    weights[source] = weights.get(source, 0.0) + share
-        if not weights:
-            return ()
-        assert joint is not None
-        largest = max(weights, key=lambda s: weights[s])
-        text = _.sentence(advice(largest, joint.result.problem.settings.knowledge))
-    return (block.Text(text, lead=_("What helps next:")),)

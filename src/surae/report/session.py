@@ -6,7 +6,7 @@ from datetime import datetime
 from surae.base.formatting import percentage
 from surae.base.units import on_page
 from surae.base.words import JUDGEMENTS
-from surae.inference import AssessedFit
+from surae.inference import AssessedFit, Grade
 from surae.measures import Measure, Measures
 from surae.model.joint import ANKLE
 from surae.report import block, trials
@@ -20,7 +20,7 @@ from surae.report.figures.trials import trials_figure
 from surae.report.laboratory import known_section
 from surae.report.language import MEASURES, Words, words_in
 from surae.report.leg import LegAnswers, leg_answers
-from surae.report.leg_cards import is_known, on_page_of, titled
+from surae.report.leg_cards import is_told, on_page_of, titled
 from surae.report.output import Report
 from surae.report.parameters import parameters_section
 from surae.report.recordings import film_block
@@ -73,11 +73,12 @@ def session_report(
         contradicted=tuple(contradicted),
         before=before,
         nerve=leg.nerve,
+        quality=leg.quality,
     )
     figures = dict(answers.figures)
     rest: tuple[block.Section, ...] = ()
-    if answers.measures is not None:
-        rest = (_in_words(answers.measures, answers.at, _),)
+    if answers.numbers is not None:
+        rest = (_in_words(answers.numbers, answers.at, answers.of, _),)
     if language == "en" and not brief:
         rest += _details(leg, answers, contradicted, figures)
     written = _("Report of {date}.", date=f"{created:%Y-%m-%d %H:%M}")
@@ -170,13 +171,20 @@ def _has_words(m: Measure) -> bool:
     return m.name.partition("@")[0] in MEASURES
 
 
-def _in_words(of_fit: Measures, at: float, _: Words) -> block.Section:
-    """The measures that a clinician reads, at an angle [deg] or at none."""
+def _in_words(of_fit: Measures, at: float, of: str, _: Words) -> block.Section:
+    """The measures that a clinician reads, at an angle [deg] or at none, `of` which trial alone.
+
+    Of a fit that does not follow its torque only what rest tells is a number.
+    """
     order = list(MEASURES)
+    sound = of_fit.adequacy.grade is not Grade.INADEQUATE
     chosen = [
         m
         for m in of_fit.values()
-        if _has_words(m) and is_known(m) and (m.name.endswith(f"@{at:g}deg") or "deg" not in m.name)
+        if (sound or m.basis == "rest")
+        and _has_words(m)
+        and is_told(m)
+        and (m.name.endswith(f"@{at:g}deg") or "deg" not in m.name)
     ]
     chosen.sort(key=lambda m: order.index(m.name.partition("@")[0]))
     rows = (
@@ -184,11 +192,15 @@ def _in_words(of_fit: Measures, at: float, _: Words) -> block.Section:
     )
     heads = block.columns("", _("Value"), "95 %", _("Judgement"), numbers=(1, 2), wide=(0,))
     table = block.Grid(_("The numbers"), heads, block.rows(rows))
+    if not chosen:
+        text = _("The fit is not good enough: first do what “Can I trust it?” says.")
+        return block.Section(_("The numbers"), (block.Text(text),), "measures")
+    alone = (block.Text(_("in {trial} alone", trial=of)),) if of else ()
     words = _(
         "Identified: the 95 % interval is within 10 % of the value, of an angle within 2°. Weak: "
         "it is wider; the estimate is weak, not the leg."
     )
-    return block.Section(_("The numbers"), (table, block.Text(words, "note")), "measures")
+    return block.Section(_("The numbers"), (*alone, table, block.Text(words, "note")), "measures")
 
 
 def _other_measures(of_fit: Measures) -> block.Section:
@@ -203,12 +215,12 @@ def _other_measures(of_fit: Measures) -> block.Section:
             _(JUDGEMENTS[m.verdict].plain),
         )
         for m in every
-        if is_known(m) and not _has_words(m)
+        if is_told(m) and not _has_words(m)
     )
     heads = block.columns(
         "Measure", "Value", "95 % interval", "Unit", "", numbers=(1, 2), wide=(0,)
     )
-    unknown = sum(not is_known(m) for m in every)
+    unknown = sum(not is_told(m) for m in every)
     note = f"{unknown} measures are not known from these trials; surae measures lists why."
     table = block.Grid("Other measures that are known", heads, block.rows(rows))
     return block.Section("Other measures", (table, block.Text(note, "note")), "other-measures")
