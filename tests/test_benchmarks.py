@@ -150,16 +150,3 @@ def test_the_counts_are_the_products(bench, tmp_path, monkeypatch) -> None:
             total = counts.summed(counts.score(tmp_path / "auto.csv", of)[-1])
             own = [total.identified, total.true, total.hold, total.intervals]
             assert np.abs(np.subtract(own, kept[f"auto {group} by family"][family])).max() <= 1
-
-
-@pytest.mark.parametrize("page", ["README.md", "docs/how-to/before-and-after.md"])
-def test_published_reliability_is_that_of_the_kept_count(bench, page) -> None:
-    reliability = bench("reliability")
-    kept = json.loads(reliability.RESULT.read_text(encoding="utf-8"))
-    text = (FOLDER.parent / page).read_text(encoding="utf-8")
-    assert reliability.written(text, kept) == text
-    assert kept["date"] in text
-    for way in kept["ways"].values():
-        assert 0 < way["pairs"] <= 2 * len(kept["legs"])
-        for told in way["measures"].values():
-            assert all(0 <= a <= b for a, b in (told[k] for k in ("holds", "false", "found")))

@@ -121,3 +121,17 @@ def test_pairs_are_laid_as_the_curves_tell_and_keep_what_is_known_of_the_zero(to
 def test_too_short_an_overlap_tells_nothing(toe) -> None:
     short = replace(toe, low=10.0)
     assert aligned(short, toe, paired_legs(toe, toe)) is None
+
+
+def test_zeros_that_were_stated_of_both_visits_are_taken_off(toe) -> None:
+    """The second mounting is turned by 3° and says so: the same ankle angles are compared."""
+    turned = curve_of(Ankle(toe=-12.0, zero=1.0), 1)
+    stated = [
+        replace(curve, zero_deg=zero, zero_sd=0.5) for curve, zero in ((toe, 0.0), (turned, -3.0))
+    ]
+    for name in ("torque_rise", "slow_stiffness@10deg", "end_torque"):
+        known = rest_change(*stated, (10.0,)).differences[name]
+        unknown = rest_change(toe, turned, (10.0,)).differences[name]
+        assert known.ci95[0] < 0.0 < known.ci95[1]
+        assert np.ptp(known.ci95) < np.ptp(unknown.ci95)
+    assert Mounting.of(*stated, 1.5) == Mounting(pytest.approx(np.hypot(0.5, 0.5)), 3.0)
