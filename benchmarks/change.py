@@ -5,13 +5,16 @@ each electrode), the foot strapped in anew (zero, axis), other efforts and other
 recording goes through a CSV file and the fit that users get. The leg itself is richer than every
 model: compliant tendons and a delay of its own. With --plain it is a leg of model 1.0, and of all
 this only the electrodes' gain, efforts and noise change. Fits are kept in the folder, so that it
-goes on where it was stopped.
+goes on where it was stopped. With --case the one leg of the documentation is compared, kept in
+``change_case.json``, and written into its page.
 """
 
 import argparse
+import json
 import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -38,6 +41,19 @@ ASKED = (
     "k_tri",
     "x0_tri",
 )
+#: The documentation's case: its leg, its page, where it is kept, and what is shown of it.
+CASE = 1
+CASE_KEPT = Path(__file__).with_name("change_case.json")
+CASE_PAGE = Path(__file__).parents[1] / "docs" / "how-to" / "before-and-after.md"
+CASE_MARKS = "<!-- case: begin -->", "<!-- case: end -->"
+CASE_ROWS = {
+    "curve_size": "torque at rest over the whole curve [%]",
+    "torque_rise": "rise of the torque over the range [Nm]",
+    "end_stiffness": "stiffness at the end of the range [Nm/°]",
+    "passive_torque@10deg": "torque at rest, 10° [Nm]",
+    "passive_stiffness@10deg": "stiffness at rest, 10° [Nm/°]",
+    "relaxed_share@10s": "part that relaxes within 10 s [%]",
+}
 
 
 @dataclass(frozen=True)
@@ -186,6 +202,49 @@ def claims(pairs: Iterable[int], folder: Path, plain: bool) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+def case(folder: Path) -> dict[str, object]:
+    """What the documentation shows of one leg, before and treated."""
+    before, _, treated = (fitted(session, folder) for session in sessions(CASE, False))
+    told = surae.change(before, treated, angles=[ANGLE], question=["curve_size"])
+    rows = {}
+    for name in CASE_ROWS:
+        d = told.measures[name]
+        rows[name] = [d.before, d.after, d.difference, d.ci95, str(d.verdict)]
+    return {
+        "surae": surae.__version__,
+        "date": f"{datetime.now(UTC):%Y-%m-%d}",
+        "sentence": str(told.sentence),
+        "looked": len(told.measures) + len(told.parameters),
+        "rows": rows,
+    }
+
+
+def case_text(kept: dict[str, object]) -> str:
+    """The case as the page has it."""
+
+    def number(value: float | None) -> str:
+        return "–" if value is None else f"{value:.3g}".replace("-", "−")
+
+    lines = [
+        f"Compared on {kept['date']} by `python benchmarks/change.py FOLDER --case`; asked "
+        f"beforehand for `curve_size`, answered: *{kept['sentence']}*",
+        "",
+        "| | before | after | difference | 95 % interval | verdict |",
+        "|---|--:|--:|--:|--:|---|",
+    ]
+    for name, (before, after, difference, ci95, verdict) in kept["rows"].items():
+        ends = "–" if ci95 is None else " … ".join(map(number, ci95))
+        numbers = " | ".join(map(number, (before, after, difference)))
+        lines.append(f"| {CASE_ROWS[name]} | {numbers} | {ends} | {verdict} |")
+    return "\n".join(lines)
+
+
+def with_case(page: str, kept: dict[str, object]) -> str:
+    """A page with the case between its marks."""
+    begin, end = CASE_MARKS
+    return f"{page.partition(begin)[0]}{begin}\n{case_text(kept)}\n{end}{page.partition(end)[2]}"
+
+
 def main() -> None:
     """Print how often intervals hold the truth, and how often each kind of pair was `changed`."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -193,8 +252,15 @@ def main() -> None:
     parser.add_argument("--pairs", type=int, default=30)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--plain", action="store_true", help="legs of model 1.0")
+    parser.add_argument("--case", action="store_true", help="the documentation's one leg alone")
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
+    if given.case:
+        kept = case(given.folder)
+        CASE_KEPT.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
+        CASE_PAGE.write_text(with_case(CASE_PAGE.read_text("utf-8"), kept), encoding="utf-8")
+        print(case_text(kept))
+        return
     pairs = range(given.first, given.first + given.pairs)
     for seed in pairs:
         for session in sessions(seed, given.plain):

@@ -9,13 +9,18 @@ import pytest
 import surae
 from relaxed_ankle import Ankle, measured, movement, with_emg
 from surae.base.errors import InputError
+from surae.base.frozen import FrozenDict
 from surae.base.words import Message
 from surae.cli import main
-from surae.inference import Grade
+from surae.inference import Adequacy, Grade
 from surae.inference.relaxed.context import GAMMA
 from surae.inference.relaxed.pair import coupled, paired_legs
+from surae.measures.change.compare import compare_sessions
+from surae.measures.compared import Quantities
 from surae.measures.difference import ChangeVerdict
 from surae.measures.relaxed_change import SHIFT, rest_change
+from surae.report.language import words_in
+from surae.report.leg_cards import change_card
 
 BEFORE = Ankle(zero=4.0)
 SAME = Ankle(zero=-2.0, weight=3.1)
@@ -185,3 +190,23 @@ def test_a_steady_electrode_at_both_visits_withholds_nothing() -> None:
 
 #: Torque of a calf that never lets go, stronger where it is stretched [Nm].
 TONE = 6.0 * np.exp((movement()[1] - 20.0) / 15.0)
+
+
+@pytest.mark.parametrize("question", [(), ("curve_size",), ("torque_rise", "end_stiffness")])
+@pytest.mark.parametrize("after", ["same", "softer"])
+def test_card_table_and_file_say_one_sentence(curves, question, after) -> None:
+    nothing = Quantities(
+        "", FrozenDict(), Adequacy(Grade.ADEQUATE, (), np.nan), ("trial",), FrozenDict()
+    )
+    rest = rest_change(curves["before"], curves[after], ANGLES)
+    change = compare_sessions(nothing, nothing, rest=rest, question=question)
+    card = change_card(change, words_in("en"))
+    assert card[0].text == change.sentence
+    assert str(change.sentence) in change.as_table().above
+    assert change.as_dict()["sentence"] == change.sentence
+    claimed = [d.name for d in change.changed if d.asked or not question]
+    assert bool(claimed) == (after == "softer")
+    assert (card[0].lead == "Not shown") == (not claimed)
+    for language in ("de", "fr", "nl"):
+        there = change_card(change, words_in(language))[0].text
+        assert there == words_in(language)(change.sentence) != change.sentence

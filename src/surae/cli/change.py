@@ -1,7 +1,7 @@
 """`surae change`."""
 
 from collections.abc import Sequence
-from datetime import datetime
+from datetime import date
 from typing import Any
 
 import click
@@ -9,10 +9,11 @@ import click
 from surae import api
 from surae.base.errors import InputError
 from surae.base.requests import ChangeSettings
+from surae.cli.days import day_of
 from surae.cli.options import LANGUAGE, settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice
-from surae.cli.screen import show_answer, show_files
+from surae.cli.screen import show_answer, show_files, show_line
 
 
 @click.command("change")
@@ -29,16 +30,17 @@ from surae.cli.screen import show_answer, show_files
     "--day",
     "days",
     multiple=True,
-    type=click.DateTime(["%Y-%m-%d"]),
-    metavar="YYYY-MM-DD",
-    help="When each of three visits or more was, in their order.  [default: equally far apart]",
+    type=day_of,
+    metavar="DAY",
+    help="When each of three visits or more was, in their order: 2026-03-04, or 4 March 2026.  "
+    "[default: equally far apart]",
 )
 @click.option("--output", metavar="C.json", help="Write the comparison.")
 @click.option("--report", metavar="C.html", help="Write a page of it: HTML or PDF.")
 @LANGUAGE
 def command(
     visits: tuple[str, ...],
-    days: tuple[datetime, ...],
+    days: tuple[date, ...],
     baselines: tuple[str, ...],
     output: str | None,
     report: str | None,
@@ -96,7 +98,7 @@ def command(
 
 def _course(
     visits: Sequence[str],
-    days: Sequence[datetime],
+    days: Sequence[date],
     baselines: Sequence[str],
     output: str | None,
     report: str | None,
@@ -115,6 +117,8 @@ def _course(
     if output is not None:
         change.save(output)
     show_answer(change.as_table())
+    if not days:
+        show_line("On which days were these visits? They count as equally far apart; give --day.")
     if report is not None:
         api.write_change_page(report, change, [], language=language)
     show_files({"change": output, "report": report})

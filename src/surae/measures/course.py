@@ -101,7 +101,7 @@ def rest_series(
     sides: list[dict[str, Measure]] = []
     for curve in curves:
         common = replace(curve, moved=moved)
-        told = with_detectable_changes(measures_of_rest(common, angles), common, angles)
+        told = with_detectable_changes(measures_of_rest(common, angles), common, angles, laid=False)
         sides.append({m.name: m for m in told})
     made = {}
     for name, first in sides[0].items():
@@ -131,7 +131,7 @@ def strength_series(visits: Sequence[Sequence[Effort]]) -> Mapping[str, Series]:
             name,
             "Nm",
             strength_meaning(group),
-            "effort",
+            "rest",
             tuple(None if each is None else each.torque for each in told),
             tuple(None if each is None else each.sd for each in told),
         )

@@ -48,7 +48,8 @@ class Difference:
     #: Of a measure at a stated angle that rest tells: at the angle that the device shows.
     ci95_device: tuple[float, float] | None = None
     asked: bool = False  #: Whether it was asked beforehand.
-    #: ``"rest"``, ``"model"``; or ``"effort"``, of maximal efforts that were held still.
+    #: ``"rest"``: read from rest, or from maximal efforts less the rest before them, no muscles'
+    #: fit in it; or ``"model"``, of that fit.
     basis: str = "model"
 
 

@@ -3,6 +3,7 @@
 from surae.base.words import N_, Message
 
 PLAIN = {
+    "curve_size": N_("Torque at rest over the whole curve"),
     "end_stiffness": N_("Stiffness at the end of the range"),
     "end_torque": N_("Torque at the end of the range"),
     "torque_rise": N_("Rise of the torque over the range"),

@@ -17,7 +17,15 @@ from surae.base.normal import NORMAL
 from surae.base.units import FloatArray
 from surae.base.words import Message
 from surae.inference import Grade
-from surae.inference.relaxed.curve import PossibleLegs, RelaxedCurve
+from surae.inference.relaxed.aligned import (
+    SHIFTS,
+    SIZES,
+    Alignment,
+    Mounting,
+    laid_pairs,
+    quantiles_of,
+)
+from surae.inference.relaxed.curve import RelaxedCurve
 from surae.inference.relaxed.pair import REMOUNTED, LegPairs, paired_legs, remounted_by
 from surae.measures.measure import Measure
 from surae.measures.reliability import reliability_of
@@ -25,13 +33,12 @@ from surae.measures.rest.judged import values_of_rest
 
 #: Part of the pairs that has to have a value.
 _ENOUGH = 0.95
-#: Shifts that are tried [deg], and how well one has to be known to be told.
-_SHIFTS = np.arange(-8.0, 8.01, 0.5)
+#: How well a shift has to be known to be told [deg].
 _KNOWN_SHIFT = 0.7
-#: Angles between two at which curves are laid upon each other [deg], and how many are needed.
-_STEP = 1.0
-_FEWEST = 12
 SHIFT = "curve_shift"
+SIZE = "curve_size"
+#: Ends of 95 % and the middle.
+_QUANTILES = np.array([0.025, 0.5, 0.975])
 #: What makes a curve doubtful, and of which kind it is. Plate and nerve are the same at both
 #: visits, and then cancel; the joint posterior says how likely they are not, and from where on
 #: none is judged.
@@ -104,9 +111,14 @@ def rest_change(
     RestChange
         Differences over the range that both moved through.
     """
-    pairs = paired_legs(before, after, one_leg=not legs, remounted=remounted)
-    made = _differences(before, after, pairs, angles)
-    made[SHIFT] = _shift(before, after, pairs.before, pairs.after)
+    if legs:
+        pairs = paired_legs(before, after, one_leg=False)
+        made = _differences(before, after, pairs, angles)
+    else:
+        pairs, alignment = laid_pairs(before, after, remounted=remounted)
+        mounting = Mounting.of(before, after, remounted)
+        made = {SIZE: _size(alignment, mounting), **_differences(before, after, pairs, angles)}
+        made[SHIFT] = _shift(alignment, mounting)
     return RestChange(FrozenDict(made), _doubt(before, after, pairs), pairs.alike)
 
 
@@ -114,10 +126,13 @@ def _differences(
     before: RelaxedCurve, after: RelaxedCurve, pairs: LegPairs, angles: Sequence[float]
 ) -> dict[str, RestDifference]:
     """What changed of each measure of rest, over the range that both moved through."""
-    moved = (max(before.moved[0], after.moved[0]), min(before.moved[1], after.moved[1]))
+    low, high = (
+        end(curve.moved[k] + curve.zero_deg for curve in (before, after))
+        for k, end in enumerate((max, min))
+    )
     sides = []
     for curve, possible in ((before, pairs.before), (after, pairs.after)):
-        common = replace(curve, moved=moved)
+        common = replace(curve, moved=(low - curve.zero_deg, high - curve.zero_deg))
         sides.append({each.name: each for each in values_of_rest(common, possible, angles)})
     return {name: _difference(sides[0][name], sides[1][name]) for name in sides[0]}
 
@@ -140,18 +155,27 @@ def remounting(first: RelaxedCurve, others: Sequence[RelaxedCurve]) -> float:
     """
     told = []
     for other in others:
-        pairs = paired_legs(first, other)
-        shifts = shift_of(first, other, pairs.before, pairs.after, sized=False)
-        if shifts is not None:
-            told.append((float(np.median(shifts)), float(np.var(shifts))))
+        alignment = laid_pairs(first, other)[1]
+        if alignment is not None and alignment.is_one_form:
+            density = alignment.shifts(sized=False)
+            mean = float(density @ SHIFTS)
+            told.append((mean, float(density @ (SHIFTS - mean) ** 2)))
     return remounted_by([each for each, _ in told], [each for _, each in told])
 
 
 def with_detectable_changes(
-    measures: Iterable[Measure], curve: RelaxedCurve, angles: Sequence[float]
+    measures: Iterable[Measure],
+    curve: RelaxedCurve,
+    angles: Sequence[float],
+    *,
+    laid: bool = True,
 ) -> tuple[Measure, ...]:
-    """Measures of rest with SDC and ICC: of a second visit like this one, the leg unchanged."""
-    again = _differences(curve, curve, paired_legs(curve, curve), angles)
+    """Measures of rest with SDC and ICC: of a second visit like this one, the leg unchanged.
+
+    Not `laid` upon each other, curves leave the whole of a mounting in what is read at an angle.
+    """
+    pairs = laid_pairs(curve, curve)[0] if laid else paired_legs(curve, curve)
+    again = _differences(curve, curve, pairs, angles)
     made = []
     for m in measures:
         d = again.get(m.name)
@@ -226,14 +250,12 @@ def _difference(first: Any, second: Any) -> RestDifference:
     made = bare
     ankle = (second.ankle - first.ankle)[there]
     device = (second.device - first.device)[there]
-    values = [float(np.median(each.device[there])) for each in (first, second)]
-    difference = values[1] - values[0]
-    low, high = _widest(_ends(ankle), _ends(device))
-    low, high = min(low, difference), max(high, difference)
+    value = float(np.median(first.device[there]))
+    low, difference, high = map(float, np.quantile(ankle, _QUANTILES))
     return replace(
         made,
-        before=values[0],
-        after=values[1],
+        before=value,
+        after=value + difference,
         difference=difference,
         ci95=(low, high),
         ci95_device=_ends(device) if first.at_angle else None,
@@ -255,86 +277,66 @@ def _ends(values: FloatArray) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def _widest(one: tuple[float, float], other: tuple[float, float]) -> tuple[float, float]:
-    """What holds both intervals: an unsure zero makes nothing surer."""
-    return min(one[0], other[0]), max(one[1], other[1])
-
-
 def _towards_none(difference: float, ci95: tuple[float, float]) -> float:
     """Standard error of which the interval's half on the side of no change is 95 %'s."""
     half = difference - ci95[0] if difference > 0.0 else ci95[1] - difference
     return max(half / NORMAL, 1e-12)
 
 
-def _shift(
-    before: RelaxedCurve, after: RelaxedCurve, first: PossibleLegs, second: PossibleLegs
-) -> RestDifference:
+def _size(alignment: Alignment | None, mounting: Mounting) -> RestDifference:
+    """By how much the curve is larger, wherever it lies."""
+    bare = RestDifference(
+        SIZE,
+        "%",
+        "By how much the torque of the relaxed ankle has grown all over its curve, wherever the "
+        "curve lies: how the foot is mounted and where tissue begins are not in it.",
+        *(None,) * 6,
+    )
+    if alignment is None or not alignment.is_one_form:
+        return replace(bare, missing=_unlaid(alignment))
+    density = alignment.sizes(mounting)
+    logs = quantiles_of(SIZES, density, _QUANTILES)
+    low, middle, high = (100.0 * math.expm1(each) for each in logs)
+    known = _towards_none(float(logs[1]), (float(logs[0]), float(logs[2])))
+    beyond = max(abs(float(logs[1])) / known, 1e-9)  # standard errors, of a logarithm
+    # what has no change in it has its own width
+    error = abs(middle) / beyond if abs(middle) > 1e-6 else (high - low) / (2.0 * NORMAL)
+    return replace(bare, difference=middle, ci95=(low, high), sd=error)
+
+
+def _shift(alignment: Alignment | None, mounting: Mounting) -> RestDifference:
     """By how much the curve lies further towards dorsiflexion; None where the device's is unsure.
 
-    The least squares of E₂(θ) − a·E₁(θ − δ) − c over angles both rested at, by pair: a curve that
-    is shifted and one that is weaker look alike but for a toe or a capsule.
+    A curve that is shifted and one that is weaker look alike but for a toe, a capsule or a
+    tibialis' side. On the device an unchanged leg is shifted by its mounting.
     """
     bare = RestDifference(
         SHIFT,
         "deg",
         "By how much the curve of the relaxed ankle lies further towards dorsiflexion, whatever "
         "its size.",
-        None,
-        None,
-        None,
-        None,
-        None,
-        None,
+        *(None,) * 6,
     )
-    shifts = shift_of(before, after, first, second)
-    if shifts is None or float(np.std(shifts)) >= _KNOWN_SHIFT:
+    if alignment is None or not alignment.is_one_form:
+        return replace(bare, missing=_unlaid(alignment))
+    density = alignment.shifts()
+    mean = float(density @ SHIFTS)
+    spread = math.sqrt(float(density @ (SHIFTS - mean) ** 2))
+    if spread >= _KNOWN_SHIFT:
         return replace(bare, missing=Message("change/no-shift", degrees=_KNOWN_SHIFT))
-    middle = float(np.median(shifts))
-    device = _ends(shifts)
-    # on the device an unchanged leg is shifted by how it was mounted: the zeros are anew
-    ankle = _widest(_ends(shifts + second.zero - first.zero), device)
+    low, middle, high = map(float, quantiles_of(SHIFTS, density, _QUANTILES))
+    anew = NORMAL * math.hypot(spread, mounting.sd)
+    middle -= mounting.expected
+    ends = middle - anew, middle + anew
     return replace(
-        bare, difference=middle, ci95=ankle, ci95_device=device, sd=_towards_none(middle, ankle)
+        bare,
+        difference=middle,
+        ci95=ends,
+        ci95_device=(low, high),
+        sd=_towards_none(middle, ends),
     )
 
 
-def shift_of(
-    before: RelaxedCurve,
-    after: RelaxedCurve,
-    first: PossibleLegs,
-    second: PossibleLegs,
-    *,
-    sized: bool = True,
-) -> FloatArray | None:
-    """The shift of each pair [deg], shape (n,); None where curves overlap too little.
-
-    The curve may have become larger by it where `sized`, else it is as large as it was.
-    """
-    reach = float(_SHIFTS[-1])
-    low = max(after.low, before.low)
-    high = min(after.high, before.high)
-    degrees = np.arange(low, high, _STEP)
-    if len(degrees) < _FEWEST:
-        return None
-    aim = second.weights @ after.basis.features(degrees).T
-    aim = aim - aim.mean(axis=1, keepdims=True)
-    left = []
-    for shift in _SHIFTS:
-        at = np.clip(degrees - shift, before.low - reach, before.high + reach)
-        laid = first.weights @ before.basis.features(at).T
-        laid = laid - laid.mean(axis=1, keepdims=True)
-        if not sized:
-            left.append(((aim - laid) ** 2).sum(axis=1))
-            continue
-        along = (laid * aim).sum(axis=1) ** 2 / np.maximum((laid**2).sum(axis=1), 1e-12)
-        left.append((aim**2).sum(axis=1) - along)
-    costs = np.array(left)
-    best = np.clip(costs.argmin(axis=0), 1, len(_SHIFTS) - 2)
-    row = np.arange(costs.shape[1])
-    a, b, c = (costs[best + k, row] for k in (-1, 0, 1))
-    bend = a - 2.0 * b + c
-    part = np.where(bend > 0.0, 0.5 * (a - c) / np.maximum(bend, 1e-12), 0.0)
-    made: FloatArray = _SHIFTS[best] + np.clip(part, -1.0, 1.0) * (_SHIFTS[1] - _SHIFTS[0])
-    if math.isnan(float(made.sum())):
-        return None
-    return made
+def _unlaid(alignment: Alignment | None) -> Message:
+    """Why neither size nor shift is told."""
+    return Message("change/no-overlap" if alignment is None else "change/no-form")

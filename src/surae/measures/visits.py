@@ -15,6 +15,7 @@ from surae.measures.compared import Quantities
 from surae.measures.course import FEWEST, Series, trend_of
 from surae.measures.difference import ChangeVerdict, Difference, sentence_of
 from surae.measures.reliability import SCATTER
+from surae.measures.strength import STRENGTH
 
 #: Degrees of freedom of what is known as well as the normal distribution.
 _MANY = 1e9
@@ -64,7 +65,7 @@ def compare_visits(
     drafts: dict[str, tuple[Difference, float, str]] = {}
     every = {**direct}
     for name, each in direct.items():
-        why = doubt if each.basis == "rest" else ""
+        why = "" if name in STRENGTH else doubt
         drafts[name] = (_draft(each, times), _MANY, why)
     for name in dict.fromkeys(name for side in visits for name in side.by_name):
         if name not in drafts:

@@ -42,7 +42,7 @@ def compare_sessions(
         drafts[name] = draft, freedom, doubt or ""
     if rest is not None:
         drafts = with_rest(drafts, rest)
-    efforts = {name: (unjudged(each, "effort"), MANY, "") for name, each in strength.items()}
+    efforts = {name: (unjudged(each, "rest"), MANY, "") for name, each in strength.items()}
     drafts = {**drafts, **efforts}
     judged, counts = all_judged(drafts, asked_of(question, drafts), legs=legs)
     measures, parameters = (

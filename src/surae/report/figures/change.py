@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from surae.inference.relaxed.aligned import laid_pairs
 from surae.inference.relaxed.curve import RelaxedCurve
 from surae.inference.relaxed.pair import paired_legs
 from surae.measures.change.result import Change
@@ -43,7 +44,7 @@ def before_and_after_figure(
     upper.legend(frameon=False, fontsize=8, labelcolor=INK, loc="upper left")
     if high > low:
         degrees = np.linspace(low, high, _POINTS)
-        pairs = paired_legs(before, after, one_leg=not legs)
+        pairs = paired_legs(before, after, one_leg=False) if legs else laid_pairs(before, after)[0]
         turned = [
             side.scale[:, None]
             * np.stack(

@@ -342,6 +342,7 @@ class FitRequest(Strict):
 
 #: What a visit may be asked for beforehand, in the order in which the page offers it.
 Question = Literal[
+    "curve_size",
     "end_stiffness",
     "slow_stiffness",
     "end_torque",

@@ -90,7 +90,7 @@ const controls = jobControls({ start: byId("start"), stop: byId("stop"), said: b
 
 /** What can be asked beforehand, where an earlier visit of this leg was analysed. */
 const QUESTIONS = [
-  ["", _("nothing in particular: everything is explored")], ["end_stiffness", _("Is it stiffer or softer, at the end of the range?")], ["slow_stiffness", _("Is it stiffer or softer, slowly stretched?")],
+  ["", _("nothing in particular: everything is explored")], ["curve_size", _("Is it stiffer or softer, over its whole curve?")], ["end_stiffness", _("Is it stiffer or softer, at the end of the range?")], ["slow_stiffness", _("Is it stiffer or softer, slowly stretched?")],
   ["end_torque", _("Does it resist more or less, at the end of the range?")], ["range_at_torque", _("Does it go further at the same torque?")],
   ["maximal_torque_tri", _("Is the calf stronger or weaker?")], ["maximal_torque_tib", _("Is the tibialis stronger or weaker?")],
 ];
