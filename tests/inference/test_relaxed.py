@@ -132,6 +132,31 @@ def test_a_tone_that_does_not_stop_is_no_rest() -> None:
     assert "relaxed/tone" not in codes(alone)
 
 
+def toned(torque):
+    """A calf that works by some hundredths of its largest, and never lets go, and what it pulls."""
+    time, _ = movement()
+    emg = efforts(time, (8.0, 26.0, 51.0), top=3e-4)
+    tone = 3.0e-6 * (1.0 + np.sin(2.0 * np.pi * time / 9.0) * np.sin(2.0 * np.pi * time / 2.3))
+    tone[time < 3.0] = 0.0
+    emg[:, 1:] += tone[:, None]
+    beside = 3e5 * efforts(time, (8.0, 26.0, 51.0), top=3e-4)[:, 2] + torque * tone / 3e-6
+    return measured(emg=emg, beside=beside, name="toned")
+
+
+def test_a_little_tone_is_said_and_taken_off() -> None:
+    found = surae.relaxed(toned(1.0))
+    assert "relaxed/tone_calf" in codes(found)
+    assert "relaxed/tone_tibialis" not in codes(found)
+    stiffness = found.measures["passive_stiffness@10deg"]
+    assert holds(stiffness, Ankle().stiffness(10.0))
+    assert stiffness.value == pytest.approx(Ankle().stiffness(10.0), rel=0.15)
+
+
+def test_emg_at_rest_that_pulls_nothing_is_no_tone() -> None:
+    found = surae.relaxed(toned(0.0))
+    assert not [code for code in codes(found) if code.startswith("relaxed/tone_")]
+
+
 def test_a_step_of_the_zero_is_found_and_taken_off(plain) -> None:
     time, _ = movement()
     found = surae.relaxed(measured(beside=1.5 * (time > 30.3)))

@@ -365,18 +365,10 @@ def test_what_stretches_will_tell_is_what_expect_says(short) -> None:
     assert told == tells(str(short._file))
 
 
-def passive(tmp_path, leg=RelaxedAnkle(), **changes) -> dict:
+def passive(tmp_path, leg, **changes) -> dict:
     """What is said of a relaxed trial."""
-    columns = {"time_s": channel(made := at_rest(leg, 1, **changes), "angle").time}
-    columns |= {"angle_rad": channel(made, "angle").values}
-    columns |= {"torque_Nm": channel(made, "torque").values}
-    columns |= {f"emg_{m}_V": channel(made, f"emg_{m}").values for m in ("ta", "gl", "sol", "gm")}
-    write_csv(tmp_path / "passive.csv", columns)
-    return judge(str(tmp_path / "passive.csv"), str(tmp_path / "p.h5"), instructed="passive")
-
-
-def channel(recording, role):
-    return recording.channels[role]
+    write_hdf5(tmp_path / "made.h5", at_rest(leg, 1, **changes))
+    return judge(str(tmp_path / "made.h5"), str(tmp_path / "trial.h5"), instructed="passive")
 
 
 def test_a_relaxed_trial_is_judged_by_its_curve_and_says_how_stiff_the_leg_is(tmp_path) -> None:
@@ -392,7 +384,7 @@ def test_a_relaxed_trial_is_judged_by_its_curve_and_says_how_stiff_the_leg_is(tm
 def test_a_relaxed_trial_with_a_torque_that_no_electrode_shows_is_looked_at(tmp_path) -> None:
     time_ = at_rest().channels["angle"].time
     beside = 6.0 * (np.sin(0.7 * time_) ** 8)
-    said_ = passive(tmp_path, beside=beside)
+    said_ = passive(tmp_path, RelaxedAnkle(), beside=beside)
     assert said_["verdict"] == "look"
     assert said_["grade"] == "doubtful"
 
