@@ -12,6 +12,7 @@ from surae.inference import Grade
 from surae.inference.relaxed.rest import rest_of
 from surae.model.knowledge import Knowledge, Plate
 from surae.model.statements import StatedZero
+from surae.signals.windows import thinned
 
 ANGLES = (-10.0, 0.0, 10.0)
 
@@ -288,6 +289,28 @@ def test_a_trial_cut_in_two(plain) -> None:
         one = plain.measures[name]
         half = 0.5 * (one.ci95[1] - one.ci95[0])
         assert abs(two.measures[name].value - one.value) < 0.5 * half, name
+
+
+@pytest.fixture(scope="module")
+def long():
+    """Seven minutes of slow ramps, efforts between them."""
+    time = np.arange(420 * 64) / 64.0
+    degrees = -10.0 + 30.0 * np.sin(2.0 * np.pi * time / 30.0)
+    emg = efforts(time, np.arange(10.0, 410.0, 55.0))
+    beside = 3e5 * emg[:, 2]
+    return measured(emg=emg, beside=beside, moved=(time, degrees), name="long")
+
+
+def test_a_long_recording_is_used_whole(long) -> None:
+    found = surae.relaxed(long)
+    assert found.curve.seconds > 340.0
+    for angle in ANGLES:
+        assert holds(found.measures[f"passive_stiffness@{angle:g}deg"], Ankle().stiffness(angle))
+    windows = surae.relaxed(list(thinned([long], True)))
+    assert windows.curve.seconds < 60.0
+    for name in ("passive_stiffness@10deg", "torque_rise", "end_stiffness"):
+        of_some = windows.measures[name]
+        assert of_some.ci95[0] <= found.measures[name].value <= of_some.ci95[1], name
 
 
 def test_holds_of_several_trials_tell_with_one_zero() -> None:

@@ -8,7 +8,7 @@ import pytest
 from surae import api
 from surae.recording import Channel, Recording
 from surae.settings import FitSettings
-from surae.signals.windows import FAMILY, ONE, parted, thinned
+from surae.signals.windows import FAMILY, ONE, are_windows, parted, thinned
 
 
 def long(seconds, rate=50.0, moving=()):
@@ -59,6 +59,11 @@ def test_a_fit_names_its_windows() -> None:
     inputs = api.inputs_for(FitSettings.of("muscle"), [long(ONE[0] + 100.0, rate=200.0)])
     assert len(inputs) == ONE[1]
     assert all(" to " in each.name for each in inputs)
+    names = [each.name for each in inputs]
+    seconds = [each.n / each.rate_hz for each in inputs]
+    assert are_windows(names, seconds)
+    assert not are_windows(names[1:], seconds[1:])
+    assert not are_windows(["a", "b", "c"], [FAMILY[2]] * 3)  # three short trials
 
 
 def with_gap(begin, end, *roles):

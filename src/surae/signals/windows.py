@@ -20,6 +20,8 @@ ONE = (900.0, 10, 60.0)
 #: Where samples are missing for so long [s], a recording is in parts; shorter ones tell nothing.
 _GAP = 0.05
 _SHORTEST = 3.0
+#: A window is as long as it should be but for so many seconds, of samples and of filters' ends.
+_NEARLY = 0.2
 #: Windows are compared by pieces of this length [s].
 _PIECE = 5.0
 
@@ -70,6 +72,19 @@ def thinned(
                 continue
         made.append(each)
     return tuple(made)
+
+
+def are_windows(names: Sequence[str], seconds: Sequence[float]) -> bool:
+    """Whether a recording's names and lengths [s] are those of windows of a long one."""
+    for _, count, length in (FAMILY, ONE):
+        of = [n.partition(",")[0] for n, s in zip(names, seconds, strict=True) if _alike(s, length)]
+        if any(of.count(each) == count for each in of):
+            return True
+    return False
+
+
+def _alike(seconds: float, length: float) -> bool:
+    return abs(seconds - length) < _NEARLY
 
 
 def liveliest(recording: Recording, count: int, seconds: float) -> list[Recording]:
