@@ -12,6 +12,7 @@ from surae.inference import Grade
 from surae.inference.relaxed.rest import rest_of
 from surae.model.knowledge import Knowledge, Plate
 from surae.model.statements import StatedZero
+from surae.signals.windows import thinned
 
 ANGLES = (-10.0, 0.0, 10.0)
 
@@ -130,6 +131,31 @@ def test_a_tone_that_does_not_stop_is_no_rest() -> None:
     assert [trial.seconds > 0.0 for trial in found.curve.trials] == [True, False]
     alone = surae.relaxed(working)
     assert "relaxed/tone" not in codes(alone)
+
+
+def toned(torque):
+    """A calf that works by some hundredths of its largest, and never lets go, and what it pulls."""
+    time, _ = movement()
+    emg = efforts(time, (8.0, 26.0, 51.0), top=3e-4)
+    tone = 3.0e-6 * (1.0 + np.sin(2.0 * np.pi * time / 9.0) * np.sin(2.0 * np.pi * time / 2.3))
+    tone[time < 3.0] = 0.0
+    emg[:, 1:] += tone[:, None]
+    beside = 3e5 * efforts(time, (8.0, 26.0, 51.0), top=3e-4)[:, 2] + torque * tone / 3e-6
+    return measured(emg=emg, beside=beside, name="toned")
+
+
+def test_a_little_tone_is_said_and_taken_off() -> None:
+    found = surae.relaxed(toned(1.0))
+    assert "relaxed/tone_calf" in codes(found)
+    assert "relaxed/tone_tibialis" not in codes(found)
+    stiffness = found.measures["passive_stiffness@10deg"]
+    assert holds(stiffness, Ankle().stiffness(10.0))
+    assert stiffness.value == pytest.approx(Ankle().stiffness(10.0), rel=0.15)
+
+
+def test_emg_at_rest_that_pulls_nothing_is_no_tone() -> None:
+    found = surae.relaxed(toned(0.0))
+    assert not [code for code in codes(found) if code.startswith("relaxed/tone_")]
 
 
 def test_a_step_of_the_zero_is_found_and_taken_off(plain) -> None:
@@ -263,6 +289,28 @@ def test_a_trial_cut_in_two(plain) -> None:
         one = plain.measures[name]
         half = 0.5 * (one.ci95[1] - one.ci95[0])
         assert abs(two.measures[name].value - one.value) < 0.5 * half, name
+
+
+@pytest.fixture(scope="module")
+def long():
+    """Seven minutes of slow ramps, efforts between them."""
+    time = np.arange(420 * 64) / 64.0
+    degrees = -10.0 + 30.0 * np.sin(2.0 * np.pi * time / 30.0)
+    emg = efforts(time, np.arange(10.0, 410.0, 55.0))
+    beside = 3e5 * emg[:, 2]
+    return measured(emg=emg, beside=beside, moved=(time, degrees), name="long")
+
+
+def test_a_long_recording_is_used_whole(long) -> None:
+    found = surae.relaxed(long)
+    assert found.curve.seconds > 340.0
+    for angle in ANGLES:
+        assert holds(found.measures[f"passive_stiffness@{angle:g}deg"], Ankle().stiffness(angle))
+    windows = surae.relaxed(list(thinned([long], True)))
+    assert windows.curve.seconds < 60.0
+    for name in ("passive_stiffness@10deg", "torque_rise", "end_stiffness"):
+        of_some = windows.measures[name]
+        assert of_some.ci95[0] <= found.measures[name].value <= of_some.ci95[1], name
 
 
 def test_holds_of_several_trials_tell_with_one_zero() -> None:

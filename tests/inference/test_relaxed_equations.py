@@ -11,13 +11,22 @@ from surae.inference.relaxed.context import UNKNOWN as NOTHING
 from surae.inference.relaxed.context import gaussians, hypotheses, plate_by_inertia
 from surae.inference.relaxed.noise import variance, whitened
 from surae.inference.relaxed.posterior import Whitened, jacobian, mode_of, residual
-from surae.inference.relaxed.regressors import TAUS, blocks_of, columns_of, friction, lags
+from surae.inference.relaxed.regressors import (
+    TAUS,
+    activated,
+    blocks_of,
+    columns_of,
+    friction,
+    lags,
+)
 
 
 @pytest.fixture(scope="module")
 def columns():
     inputs = surae.prepare(measured())
-    return columns_of([blocks_of(inputs, np.ones(inputs.n, bool))], Basis(-40.0, 20.0))
+    return columns_of(
+        [blocks_of(inputs, np.ones(inputs.n, bool), np.zeros((inputs.n, 2)))], Basis(-40.0, 20.0)
+    )
 
 
 def prior_of(columns):
@@ -43,6 +52,14 @@ def test_a_step_relaxes_with_each_time() -> None:
         np.testing.assert_allclose(
             made[1:, 0], np.exp(-1.0 / (rate * tau)) * np.exp(-since / tau), rtol=1e-9, atol=1e-14
         )
+
+
+def test_a_muscle_takes_hold_as_two_filters_in_turn() -> None:
+    rate = 2000.0
+    step = np.ones((4000, 2))
+    w = 2.0 * np.pi * 2.0 * (np.arange(4000) + 1.0) / rate
+    expected = 1.0 - (1.0 + w) * np.exp(-w)
+    np.testing.assert_allclose(activated(step, rate)[:, 1], expected, atol=3e-3)
 
 
 def test_a_tissue_that_was_held_has_relaxed() -> None:

@@ -10,6 +10,8 @@ from surae.recording import Channel, Recording
 from surae.settings import FitSettings
 from surae.signals import ModelInputs, inputs_as_given
 from surae.signals.windows import FAMILY, LEAD_S, ONE, parted, prepared_parts
+    assert are_windows(inputs)
+    assert not are_windows(api.inputs_for(FitSettings.of("muscle"), [long(20.0)])[0])
 
 
 def long(seconds, rate=50.0, moving=()):
@@ -109,6 +111,8 @@ def test_a_fit_names_its_windows() -> None:
     (inputs,) = api.inputs_for(FitSettings.of("muscle"), [long(ONE[0] + 100.0, rate=200.0)])
     assert inputs.name.count(" to ") == ONE[1]
     assert inputs.counted / inputs.rate_hz == pytest.approx(ONE[0], abs=1.0)
+    assert are_windows(inputs)
+    assert not are_windows(api.inputs_for(FitSettings.of("muscle"), [long(20.0)])[0])
 
 
 def with_gap(begin, end, *roles):

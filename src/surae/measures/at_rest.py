@@ -15,6 +15,7 @@ from surae.measures.measure import RestSaid
 from surae.measures.relaxed_change import with_detectable_changes
 from surae.measures.rest.judged import RestMeasure, rated_measures
 from surae.model.joint import ANKLE
+from surae.signals.windows import are_windows
 
 
 def relaxed_of(result: FitResult) -> RelaxedCurve | Message:
@@ -26,7 +27,10 @@ def relaxed_of(result: FitResult) -> RelaxedCurve | Message:
     problem = result.problem
     if problem.options.anatomy != ANKLE:
         return Message("rest/joint")
-    return curve_of(problem.inputs, Laboratory.of(problem.settings))
+    curve = curve_of(problem.inputs, Laboratory.of(problem.settings))
+    if isinstance(curve, RelaxedCurve) and any(map(are_windows, problem.inputs)):
+        return replace(curve, findings=(*curve.findings, Message("rest/windows")))
+    return curve
 
 
 def rest_of_fit(fit: AssessedFit) -> RelaxedCurve | Message:

@@ -33,6 +33,8 @@ _ROWS = ("angle", "velocity", "acceleration", "emg", "torque")
 #: Where samples are missing for so long [s], a recording is in parts; shorter ones tell nothing.
 _GAP = 0.05
 _SHORTEST = 3.0
+#: The step of a preparation that says so.
+_WINDOWS = "made/windows"
 #: Windows are compared by pieces of this length [s].
 _PIECE = 5.0
 
@@ -103,7 +105,7 @@ class _Thinned:
             for name in _ROWS
             if getattr(first, name) is not None
         }
-        told = Message("made/windows", windows=_spans(self.spans), minutes=self.seconds / 60.0)
+        told = Message(_WINDOWS, windows=_spans(self.spans), minutes=self.seconds / 60.0)
         return replace(
             first,
             **rows,
@@ -183,6 +185,11 @@ def _cropped(inputs: ModelInputs, start: float, end: float) -> ModelInputs:
         films.append(Film(film.channel, film.time[shown], film.length[shown]))
     second = tuple(read_only(each[inside]) for each in inputs.second)
     return replace(inputs, **rows, second=second, films=tuple(films), effort=None)
+
+
+def are_windows(inputs: ModelInputs) -> bool:
+    """Whether a recording is windows of a long one."""
+    return any(isinstance(step, Message) and step.code == _WINDOWS for step in inputs.steps)
 
 
 def liveliest(recording: Recording, count: int, seconds: float) -> list[Recording]:

@@ -20,6 +20,8 @@ _FROM_END = 3.0
 _SURE = {"step": 5.0, "slip": 40.0}
 #: Blocks with the largest innovations of the noise, at which a step is tried too.
 _JUMPS = 40
+#: Steps that are tried at once: an hour has seven thousand, of as many samples each.
+_AT_ONCE = 256
 #: Columns of steps at most: one that falls within a block has two.
 MOST = 6
 #: What steps, and how large they are expected to be.
@@ -50,10 +52,13 @@ def likeliest_change(data: Whitened, mode: Mode) -> JumpColumn | None:
     half = solve_triangular(mode.factor, jacobian(data, mode.z).T / mode.sigma, lower=True)
     best: JumpColumn | None = None
     for kind, size in _SIZES.items():
-        steps = _white(data, [column(columns, kind, trial, time, mode) for trial, time in places])
-        b = steps.T @ r / mode.sigma**2
-        inner = half @ steps / mode.sigma
-        d = (steps**2).sum(axis=0) / mode.sigma**2 - (inner**2).sum(axis=0) + size**-2
+        sums = []
+        for first in range(0, len(places), _AT_ONCE):
+            some = places[first : first + _AT_ONCE]
+            steps = [column(columns, kind, *place, mode) for place in some]
+            sums.append(_sums(data, half, steps, mode, r))
+        b, d = np.hstack(sums)
+        d += size**-2
         log_odds = (
             0.5 * b**2 / d - 0.5 * np.log(d * size**2) + np.log(_ODDS / len(places) / len(_SIZES))
         )
@@ -85,8 +90,14 @@ def column(columns: Columns, kind: str, trial: int, time: float, mode: Mode) -> 
     return np.asarray(after * slope)
 
 
-def _white(data: Whitened, steps: list[FloatArray]) -> FloatArray:
-    return whitened(np.column_stack(steps), data.columns.cuts, data.ar, data.ma)
+def _sums(
+    data: Whitened, half: FloatArray, steps: list[FloatArray], mode: Mode, r: FloatArray
+) -> FloatArray:
+    """What the residual r has along each step, and what the others leave of it, shape (2, k)."""
+    white = whitened(np.column_stack(steps), data.columns.cuts, data.ar, data.ma)
+    inner = half @ white / mode.sigma
+    d = (white**2).sum(axis=0) / mode.sigma**2 - (inner**2).sum(axis=0)
+    return np.stack([white.T @ r / mode.sigma**2, d])
 
 
 def _places(columns: Columns, r: FloatArray) -> list[tuple[int, float]]:

@@ -34,6 +34,9 @@ _SAME_ZERO = 0.3
 #: Torque of a reflex per velocity [Nm·s/rad], where there is one and where there is none.
 _REFLEX = 2.0
 _NO_REFLEX = 0.02
+#: Torque at the largest EMG that a leg has shown, of calf and tibialis [Nm]: what little a muscle
+#: works at rest goes with its EMG. Of efforts by halves, as laboratories ask for, it is larger.
+_TONE = (60.0, 20.0)
 #: Prior of relaxation: ln γ, and its standard deviation (a third of the elastic torque relaxes,
 #: within a factor of two, over three times).
 GAMMA = (math.log(0.12), 0.7)
@@ -176,6 +179,8 @@ def _context(names: Sequence[str], hypothesis: Hypothesis) -> FloatArray:
         "reflex": reflex,
         "reflex_long": reflex,
         "constant": _ZERO,
+        "tone_calf": _TONE[0],
+        "tone_tibialis": _TONE[1],
     }
     families = {
         "zero": _ZERO if hypothesis.apart else _SAME_ZERO,

@@ -61,7 +61,7 @@ class Estimate:
 def estimated(trials: Sequence[ModelInputs], laboratory: Laboratory) -> Estimate | None:
     """The posterior of the leg of these trials; None where none of them rests for a second."""
     rest = rest_of(trials)
-    blocks = [blocks_of(trial, mask) for trial, mask in zip(trials, rest.masks, strict=True)]
+    blocks = [blocks_of(*each) for each in zip(trials, rest.masks, rest.shares, strict=True)]
     resting = [each for each in blocks if each.pieces]
     if not resting:
         return None

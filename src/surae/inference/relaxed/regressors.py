@@ -8,7 +8,7 @@ from scipy.signal import lfilter
 
 from surae.base.units import FloatArray
 from surae.inference.relaxed.basis import Basis
-from surae.inference.relaxed.rest import Mask
+from surae.inference.relaxed.rest import REST_SHARE, Mask
 from surae.signals import ModelInputs
 
 #: Times of relaxation [s]: a spectrum that a few decades need (Fung 1993, chapter 7).
@@ -46,6 +46,8 @@ SHARED = (
     "reflex",
     "reflex_long",
     "constant",
+    "tone_calf",
+    "tone_tibialis",
 )
 
 
@@ -72,6 +74,7 @@ class Fine:
     degrees: FloatArray
     velocity: FloatArray  #: [rad/s].
     acceleration: FloatArray  #: [rad/s²].
+    shares: FloatArray  #: As of `Rest`, no more than at rest, shape (n, 2).
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,8 +106,8 @@ def averaged(values: FloatArray, count: int) -> FloatArray:
     return blocks
 
 
-def blocks_of(trial: ModelInputs, rests: Mask) -> Blocks:
-    """A trial in blocks of an eighth of a second."""
+def blocks_of(trial: ModelInputs, rests: Mask, shares: FloatArray) -> Blocks:
+    """A trial in blocks of an eighth of a second; `shares` are as of `Rest`, shape (n, 2)."""
     assert trial.torque is not None
     first = max(round(trial.rate_hz / _FINE), 1)
     rate = trial.rate_hz / first
@@ -116,6 +119,7 @@ def blocks_of(trial: ModelInputs, rests: Mask) -> Blocks:
         np.degrees(averaged(trial.angle, first)),
         velocity,
         quiet_acceleration(averaged(trial.acceleration, first), velocity, per_block),
+        averaged(np.clip(shares, 0.0, REST_SHARE), first),
     )
     whole = first * fine.per_block
     resting = averaged((rests & trial.counts).astype(float), whole) > 0.99
@@ -227,7 +231,7 @@ def lags(features: FloatArray, rate_hz: float) -> list[FloatArray]:
 
 
 def _shared(fine: Fine, basis: Basis) -> FloatArray:
-    """The columns `SHARED` at the higher rate, shape (n, 8)."""
+    """The columns `SHARED` at the higher rate, shape (n, 10)."""
     angle = np.radians(fine.degrees)
     reflex = _reflex(fine)
     longer = np.exp((np.minimum(fine.degrees, basis.high) - basis.high) / _LONGER)
@@ -241,6 +245,7 @@ def _shared(fine: Fine, basis: Basis) -> FloatArray:
             reflex,
             reflex * longer,
             np.ones_like(angle),
+            activated(fine.shares, fine.rate_hz),
         ]
     )
 
@@ -261,12 +266,14 @@ def friction(degrees: FloatArray, over: float) -> FloatArray:
 
 
 def _reflex(fine: Fine) -> FloatArray:
-    """What a stretch reflex would follow: velocity towards dorsiflexion, late, through activation.
-
-    A critically damped filter of the second order, as equation (14) with β = 1.
-    """
+    """What a stretch reflex follows: velocity towards dorsiflexion, late, through activation."""
     late = round(_LATENCY * fine.rate_hz)
     stretch = np.maximum(np.concatenate([np.zeros(late), fine.velocity]), 0.0)[: len(fine.velocity)]
-    stays = float(np.exp(-2.0 * np.pi * _ACTIVATION / fine.rate_hz))
-    once = lfilter([1.0 - stays], [1.0, -stays], stretch)
-    return np.asarray(lfilter([1.0 - stays], [1.0, -stays], once))
+    return activated(stretch, fine.rate_hz)
+
+
+def activated(signal: FloatArray, rate_hz: float) -> FloatArray:
+    """A signal through activation: critically damped, second order, as equation (14), β = 1."""
+    stays = float(np.exp(-2.0 * np.pi * _ACTIVATION / rate_hz))
+    once = lfilter([1.0 - stays], [1.0, -stays], signal, axis=0)
+    return np.asarray(lfilter([1.0 - stays], [1.0, -stays], once, axis=0))

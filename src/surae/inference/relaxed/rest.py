@@ -40,6 +40,9 @@ class Rest:
     masks: tuple[Mask, ...]  #: By sample of each trial.
     by: str  #: ``"emg"``, or ``"declared"`` where no electrode shows any effort.
     tonic: tuple[str, ...]  #: Names of trials in which a muscle never comes to rest.
+    #: What electrodes show as parts of the leg's largest: of calf and tibialis, shapes (n, 2); 0
+    #: where none shows any effort.
+    shares: tuple[FloatArray, ...]
     #: What each electrode shows of rest in the loudest trial, its median, by muscle: of trials
     #: without any effort nothing else says whether another visit rested as much.
     levels: tuple[tuple[str, float], ...] = ()
@@ -58,7 +61,7 @@ def rest_of(trials: Sequence[ModelInputs]) -> Rest:
         for index, muscle in enumerate(MUSCLES)
         if any(muscle not in trial.missing_emg for trial in trials)
     ]
-    above = [np.zeros(trial.n) for trial in trials]
+    groups = [np.zeros((trial.n, 2)) for trial in trials]
     by = "declared"
     for index in usable:
         having = [k for k, trial in enumerate(trials) if MUSCLES[index] not in trial.missing_emg]
@@ -69,7 +72,9 @@ def rest_of(trials: Sequence[ModelInputs]) -> Rest:
         by = "emg"
         for k in having:
             share = (envelopes[k][:, index] - noise) / (top - noise)
-            above[k] = np.maximum(above[k], share)
+            side = int(MUSCLES[index] == "ta")
+            groups[k][:, side] = np.maximum(groups[k][:, side], share)
+    above = [each.max(axis=1) for each in groups]
     masks = tuple(
         _guarded(share > REST_SHARE, trial.rate_hz)
         for share, trial in zip(above, trials, strict=True)
@@ -80,7 +85,7 @@ def rest_of(trials: Sequence[ModelInputs]) -> Rest:
         if (share > REST_SHARE).mean() > _TONIC
     )
     resting = tuple(~mask for mask in masks)
-    return Rest(resting, by, tonic, _levels(trials, envelopes, resting))
+    return Rest(resting, by, tonic, tuple(groups), _levels(trials, envelopes, resting))
 
 
 def _levels(

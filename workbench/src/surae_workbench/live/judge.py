@@ -243,9 +243,7 @@ def decided(quality: Quality, judgement: Mapping[str, Any], wrong: str | None = 
         return Advised("repeat", reasons, is_clause=True)
     if warnings := _said(quality, "warning"):
         return Advised("look", warnings[0])
-    if wrong is not None:
-        return Advised("look", Message(wrong))
-    if (met := judgement.get("against_rest")) is not None:
+    if (met := wrong or judgement.get("against_rest")) is not None:
         return Advised("look", _message(met))
     remark = Message(_OPEN, what=reasons) if reasons else reasons
     if judgement.get("effort") == "maximal":
