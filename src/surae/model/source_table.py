@@ -260,6 +260,14 @@ _SOURCES = (
         Fill("series-2", "\\"),
     ),
     UncertaintySource(
+        "heads",
+        "heads of a muscle group",
+        "how much one head pulls beyond its share, as its length is not the group’s",
+        N_("read what the heads do together, which is better known than each"),
+        Fill("series-6", "+"),
+        knowable=False,
+    ),
+    UncertaintySource(
         "trials",
         "differences between trials",
         "by how much trials of this leg disagree",
