@@ -301,7 +301,7 @@ def _pennation(leg: Leg, group: str) -> float:
     for recording in leg.inputs:
         for film in recording.films:
             muscle = film.channel.rpartition("_")[2]
-            if film.thickness > 0.0 and (muscle == "tib") is (group == "tib"):
+            if film.thickness > 0.0 and muscle.startswith("tib") is (group == "tib"):
                 grown = 1.0 + leg.values.get(f"film_scale_{muscle}", 0.0)
                 seen = grown * leg.optimal_length(group) + leg.values.get(
                     f"film_zero_{muscle}", 0.0

@@ -124,7 +124,7 @@ def prepare(
 
 
 def _film(recording: Recording, role: str) -> Film:
-    """What a film shows of a muscle: its fascicle’s length, and by the pennation how thick it is."""
+    """A muscle in a film: its fascicle’s length, and how thick it is where pennation was filmed."""
     channel = recording.films[role]
     slant = recording.films.get(role.replace("fascicle", "pennation"))
     thickness = 0.0
