@@ -6,12 +6,14 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from richer_legs import richer_leg
 from surae.exchange.joint import joint_of
 from surae.exchange.mjcf import mjcf
 from surae.exchange.osim import osim
 from surae.measures.leg import Leg
 from surae.model import ModelOptions, get_model, with_optional
 from surae.model.tissue_curve import TissueCurve
+from surae.signals import Film
 from surae.studies import virtual_subject
 
 MOVED = (-30.0, 20.0)
@@ -121,6 +123,28 @@ def test_a_triceps_that_travels_by_its_arm_has_the_usual_curve() -> None:
     assert joint.rms / joint.largest < 0.03 < printed.rms / printed.largest
 
 
+def filmed(leg: Leg, thickness: float) -> Leg:
+    """The leg with a recording in which its tibialis was filmed, so thick [m]."""
+    plain = richer_leg(0, rate_hz=64.0, duration=15.0).inputs
+    time = np.linspace(1.0, 14.0, 200)
+    film = Film("fascicle_tib", time, np.full(200, 0.06), thickness)
+    return replace(leg, inputs=(replace(plain, films=(film,)),))
+
+
+def test_a_filmed_pennation_is_the_exported_fibres() -> None:
+    leg = leg_of(1)
+    plain, slanted = (
+        joint_of(filmed(leg, thickness), MOVED, springs=False) for thickness in (0.0, 0.013)
+    )
+    expected = np.arcsin(0.013 / leg.values["l0_tib"])
+    assert [m.muscle.pennation for m in slanted.muscles] == pytest.approx([0.0, expected])
+    assert not any(m.muscle.pennation for m in plain.muscles)
+    # a muscle that stays as thick: the torque is followed as well
+    assert slanted.rms < plain.rms + 0.01 * plain.largest
+    told = root_of(osim(slanted, [])).iter("pennation_angle_at_optimal")
+    assert [float(e.text) for e in told] == pytest.approx([0.0, expected])
+
+
 def root_of(text: str) -> ElementTree.Element:
     return ElementTree.fromstring(text.encode())
 
@@ -170,11 +194,15 @@ def test_mujoco_has_this_torque(seed, model):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("thickness", [0.0, 0.013])
 @pytest.mark.parametrize(("seed", "model"), [(1, "muscle"), (2, "muscle"), (3, "muscle-tendon")])
-def test_opensim_has_this_torque(seed, model, tmp_path):
+def test_opensim_has_this_torque(seed, model, thickness, tmp_path):
     opensim = pytest.importorskip("opensim", reason="OpenSim is not installed (extra `simulators`)")
     opensim.Logger.setLevelString("off")
-    joint, path = joint_of(leg_of(seed, model), MOVED, springs=False), tmp_path / "leg.osim"
+    joint, path = (
+        joint_of(filmed(leg_of(seed, model), thickness), MOVED, springs=False),
+        tmp_path / "leg.osim",
+    )
     path.write_text(osim(joint, []), encoding="utf-8")
     simulated = opensim.Model(str(path))
     state = simulated.initSystem()

@@ -34,6 +34,8 @@ _KEPT = ("arm_", "path_", "length_", "fl_", "joint_", "emd")
 WIDEST = 2.0
 #: Strain of a tendon at the largest force above which it is no human one.
 STRAINED = 0.15
+#: Sine of the largest pennation that is exported, at which fibres hardly pull along their tendon.
+MOST_SLANTED = 0.7
 #: Weights of the EMG of each group, and its channels.
 GAINS = {"tri": ("g2", "g3", "g4"), "tib": ("g1",)}
 _CHANNELS = {"tri": slice(1, 4), "tib": slice(0, 1)}
@@ -286,7 +288,26 @@ def held_group(leg: Leg, group: str, degrees: FloatArray, length: FloatArray) ->
         values["beta"] / (np.pi * values["f0"]),
         stretch,
         l0,
+        _pennation(leg, group),
     )
+
+
+def _pennation(leg: Leg, group: str) -> float:
+    """Angle of a group's filmed fascicles to their tendon at the optimal length, mean [rad].
+
+    A muscle stays as thick as it is while its fascicles turn; 0 where no pennation was filmed.
+    """
+    angles = []
+    for recording in leg.inputs:
+        for film in recording.films:
+            muscle = film.channel.rpartition("_")[2]
+            if film.thickness > 0.0 and muscle.startswith("tib") is (group == "tib"):
+                grown = 1.0 + leg.values.get(f"film_scale_{muscle}", 0.0)
+                seen = grown * leg.optimal_length(group) + leg.values.get(
+                    f"film_zero_{muscle}", 0.0
+                )
+                angles.append(float(np.arcsin(min(film.thickness / max(seen, 1e-3), MOST_SLANTED))))
+    return float(np.mean(angles)) if angles else 0.0
 
 
 def _excitation(leg: Leg, group: str, recording: int) -> FloatArray:

@@ -58,7 +58,7 @@ def _muscle(forces: Element, of: JointMuscle) -> None:
         "max_isometric_force": muscle.peak,
         "optimal_fiber_length": muscle.optimal,
         "tendon_slack_length": muscle.slack,
-        "pennation_angle_at_optimal": 0.0,
+        "pennation_angle_at_optimal": muscle.pennation,
         "max_contraction_velocity": muscle.speed,
         "ignore_tendon_compliance": "true" if rigid else "false",
         "activation_time_constant": muscle.lag,

@@ -15,7 +15,7 @@ from surae.model.joint import ANKLE, Value
 from surae.model.parameter import Added, Parameter
 from surae.model.prior import Prior
 from surae.model.source import UncertaintySource
-from surae.recording import FILMED, MUSCLE_NAMES, MUSCLES
+from surae.recording import MUSCLE_NAMES, MUSCLES, PLACES
 
 if TYPE_CHECKING:
     from surae.signals import ModelInputs
@@ -709,7 +709,9 @@ _OPTIONAL: dict[str, tuple[Parameter, ...]] = {
                 ("zero", "m", "filmed fascicle's length beyond the muscle's", 0.03),
             )
         )
-        for at, muscle in zip(FILMED, MUSCLE_NAMES.values(), strict=True)
+        for at, muscle in zip(
+            PLACES, (*MUSCLE_NAMES.values(), f"{MUSCLE_NAMES['ta']}, second place"), strict=True
+        )
     },
 }
 #: Sources of uncertainty that other distributions bring, with parameters of their own.

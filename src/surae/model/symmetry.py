@@ -36,7 +36,7 @@ _FORCES = ("reflex", "reflex_length")
 #: the muscle to the assumed path.
 _NEEDED = ("k", "x0", "l0")
 #: Films that see each group.
-_FILMS = {"tri": ("gl", "sol", "gm", "tri"), "tib": ("ta", "tib")}
+_FILMS = {"tri": ("gl", "sol", "gm", "tri"), "tib": ("ta", "tib", "tib2")}
 
 
 def toe_reach(toe: Any, shape: Any) -> Any:

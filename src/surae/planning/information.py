@@ -22,7 +22,7 @@ from surae.model.laboratory import laboratory
 from surae.model.symmetry import GROUPS, PATH
 from surae.planning.legs import Legs
 from surae.protocol import Trajectory
-from surae.recording.recording import FILMED
+from surae.recording.recording import PLACES
 from surae.signals import ModelInputs, inputs_as_given, thinned
 
 #: A trial is judged at this rate at least [Hz]: it moves below 10 Hz.
@@ -122,8 +122,8 @@ def filmed(legs: Legs, muscles: Sequence[str]) -> Legs:
     if not muscles:
         return legs
     for muscle in muscles:
-        if muscle not in FILMED:
-            raise InputError(f"film: no muscle {muscle!r}; use {', '.join(FILMED)}")
+        if muscle not in PLACES:
+            raise InputError(f"film: no muscle {muscle!r}; use {', '.join(PLACES)}")
     if "dlt_tri" not in legs.spec.names:
         raise InputError(f"{legs.spec.name} has rigid tendons, of which a film shows nothing new")
     names = [n for m in muscles for n in names_of_film(m) if n not in legs.free]

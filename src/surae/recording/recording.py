@@ -32,6 +32,8 @@ MUSCLES = tuple(MUSCLE_NAMES)
 EMG_KINDS = ("raw", "envelope")
 #: Muscles whose fascicles are filmed: the tibialis, and those of the triceps.
 FILMED = ("tib", "gl", "sol", "gm")
+#: What may be filmed: those, and a second place of the tibialis.
+PLACES = (*FILMED, "tib2")
 
 #: Every role a channel can have, in the order in which they are listed.
 ROLES = (
@@ -42,7 +44,7 @@ ROLES = (
     "angular_acceleration",
     "second_angle",  # of a joint that the muscles cross too, such as the knee
     "commanded_angle",  # that the device was told to take
-    *(f"{seen}_{muscle}" for seen in ("fascicle", "pennation") for muscle in FILMED),
+    *(f"{seen}_{muscle}" for seen in ("fascicle", "pennation") for muscle in PLACES),
 )
 #: Roles that a film shows: it has a clock of its own, may lose frames and need not last.
 FILM_ROLES = tuple(role for role in ROLES if role.startswith(("fascicle_", "pennation_")))

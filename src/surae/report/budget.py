@@ -19,7 +19,7 @@ _WORTH = 0.25
 #: A remedy is worth a sentence where the interval shrinks to less than this part.
 _SHRINKS = 0.8
 #: Muscles that may be filmed, and what sentences call them.
-_MUSCLES = {"tib": "tibialis", "gm": "gastrocnemius"}
+_MUSCLES = {"tib": "tibialis", "tib2": "tibialis at a second place", "gm": "gastrocnemius"}
 #: Parameters that are named with one remedy.
 _NAMED = 4
 
@@ -124,6 +124,8 @@ def what_would_help(fit: AssessedFit) -> tuple[str, ...]:
             if budget.shares.get(source, 0.0) >= _WORTH:
                 note(worded(advice(source, stated)), name, without / budget.sd)
     for muscle, words in _MUSCLES.items():
+        if muscle == "tib2" and "film_scale_tib" not in result.problem.free:
+            continue
         filmed = covariance_if_filmed(result, known, muscle)
         if filmed is not None:
             parts = np.sqrt(np.diag(filmed) / np.diag(known.covariance(*result.problem.free)))

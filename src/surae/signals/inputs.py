@@ -35,6 +35,9 @@ class Film(Comparable):
     channel: str  #: ``"fascicle_tib"``, or of one muscle of the triceps: ``"fascicle_gm"`` …
     time: FloatArray  #: Times of the frames in which the tracker found it [s], shape (k,).
     length: FloatArray  #: Its length [m], shape (k,).
+    #: How thick the muscle is across its tendons, sin(pennation) times the length on the average
+    #: [m]; 0 where no pennation was filmed.
+    thickness: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -112,9 +112,7 @@ def prepare(
         fixed=recording.fixed,
         files=recording.files,
         films=tuple(
-            Film(role, as_read_only(channel.time), as_read_only(channel.values))
-            for role, channel in recording.films.items()
-            if role.startswith("fascicle_")
+            _film(recording, role) for role in recording.films if role.startswith("fascicle_")
         ),
         own_envelopes=own,
         rectified=_rectified(recording, settings) if own else (),
@@ -123,6 +121,19 @@ def prepare(
         second=tuple(map(read_only, second)),
         lowpass=None if cutoff is None else (cutoff, settings.bessel_order),
     )
+
+
+def _film(recording: Recording, role: str) -> Film:
+    """A muscle in a film: its fascicle’s length, and how thick it is where pennation was filmed."""
+    channel = recording.films[role]
+    slant = recording.films.get(role.replace("fascicle", "pennation"))
+    thickness = 0.0
+    if slant is not None and len(slant.time) > 1:
+        seen = (channel.time >= slant.time[0]) & (channel.time <= slant.time[-1])
+        angle = np.interp(channel.time[seen], slant.time, slant.values)
+        across = channel.values[seen] * np.sin(angle)
+        thickness = max(float(np.mean(across)), 0.0) if seen.any() else 0.0
+    return Film(role, as_read_only(channel.time), as_read_only(channel.values), thickness)
 
 
 def smoothed(inputs: ModelInputs) -> ModelInputs:

@@ -147,7 +147,7 @@ def _by_path(name: str, problem: FitProblem) -> bool:
     base, _, group = name.partition("_")
     if base not in ("l0", "x0") or f"length_zero_{group}" not in problem.free:
         return False
-    films = ("gl", "sol", "gm", "tri") if group == "tri" else ("ta", "tib")
+    films = ("gl", "sol", "gm", "tri") if group == "tri" else ("ta", "tib", "tib2")
     filmed = any(f"film_zero_{at}" in problem.free for at in films)
     return not filmed and not problem.settings.is_own
 

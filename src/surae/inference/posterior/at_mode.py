@@ -135,6 +135,7 @@ def _shifts(
     shifts["model"] = np.concatenate([departures, laplace.dynamics(post, V, beta, unheard=False)])
     if original.has_unheard:
         shifts["unheard"] = laplace.dynamics(post, V, beta, unheard=True)
+    shifts["heads"] = laplace.between_heads(post, post.by_name(chosen.mode.z))
     shifts["trials"] = laplace.between_trials(blocks, V)
     if lost := max(recording.emg_lost for recording in family.inputs):
         heard = [float(name in original.spec.weights) for name in post.of]

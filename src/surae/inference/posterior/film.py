@@ -115,7 +115,7 @@ def names_of_film(channel: str) -> tuple[str, str]:
 
 def group_of_film(channel: str) -> int:
     """The muscle group that a film is of: 0 is the triceps, 1 the tibialis."""
-    return int(channel.endswith("_tib"))
+    return int(channel.rpartition("_")[2].startswith("tib"))
 
 
 def seen_by(channel: str, values: Mapping[str, float], length: FloatArray) -> FloatArray:

@@ -195,7 +195,7 @@ def assumed_sd(
             continue
         arm, path = (generator(values, spec, options, group, scale) for scale in (ARM, PATH))
         films = films_of(group, tuple(beliefs))
-        of_path = beliefs[films[0]].sd if films else GEAR.sd
+        of_path = math.hypot(*(1.0 / beliefs[n].sd for n in films)) ** -1.0 if films else GEAR.sd
         along = 0.0 if films else 1.0  # a film tells the path whatever the arm is
         for name in {*arm, *path} & values.keys():
             size = abs(values[name])
