@@ -81,20 +81,21 @@ _NUMBERS = (0.26, 0.5)
 _ASKED = ("_update_ticks", "_get_ticklabel_bboxes")
 
 
-def new_figure(height: float, *, width: float = WIDTH) -> Figure:
+def new_figure(
+    height: float, *, width: float = WIDTH, layout: Literal["constrained", "none"] = "constrained"
+) -> Figure:
     """An empty white figure; `height` and `width` in inches."""
-    return Figure(figsize=(width, height), layout="constrained", facecolor="white")
+    return Figure(figsize=(width, height), layout=layout, facecolor="white")
 
 
 def space(figure: Figure, rows: int, columns: int = 1) -> None:
-    """Lay out a grid of panels over time by margins of a fixed size; at its end.
+    """Lay out a grid of panels over time by margins of a fixed size, in a figure without a layout.
 
     To ask how far letters reach takes as long as to draw them: here it is known beforehand.
     """
-    if figure.canvas.manager is not None:  # a window may get another size
+    if figure.get_layout_engine() is not None:  # that of a window, which may get another size
         figure.align_ylabels()
         return
-    figure.set_layout_engine("none")
     width, height = figure.get_size_inches()
     high = (height - _ABOVE - _BELOW - _BETWEEN * (rows - 1)) / rows
     wide = (width - _RIGHT - _LEFT * columns) / columns

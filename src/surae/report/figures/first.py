@@ -29,7 +29,7 @@ def first_figure(traces: Sequence[Traces]) -> Figure:
     """Angle, torque measured and modelled, and its parts; recordings stand beside each other."""
     shown = traces[:SHOWN]
     whole = reduce(_beside, [_begun(each) for each in shown])
-    figure = figures.new_figure(_HEIGHT, width=_WIDTH)
+    figure = figures.new_figure(_HEIGHT, width=_WIDTH, layout="none")
     grid = figure.subplots(3, 1, sharex=True, gridspec_kw={"height_ratios": _PANELS})
     figures.space(figure, len(grid))
     rows = [(axes,) for axes in grid]

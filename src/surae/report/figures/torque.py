@@ -56,7 +56,7 @@ def torque_figure(traces: Traces, *, width: float = WIDTH, figure: Figure | None
     heights = [_STRIP * len(muscles)] * bool(muscles) + [_ANGLE, _TORQUE, _TORQUE]
     both = cycles is not None and width > _BOTH
     height = (_ROOM + sum(heights)) * (0.6 * WIDTH + 0.4 * width) / WIDTH  # narrower, if less so
-    figure = figures.new_figure(height, width=width) if figure is None else figure
+    figure = figures.new_figure(height, width=width, layout="none") if figure is None else figure
     figure.set_size_inches(width, height)
     grid = figure.subplots(
         len(heights),
