@@ -150,6 +150,18 @@ def test_another_activation_filter_takes_the_other_values_along() -> None:
     assert shifts(names=("m", "k_tri", "l0_tri")).shape == (0, 3)
 
 
+def test_neither_of_a_filters_two_goes_farther_than_it_may_by_itself() -> None:
+    """β's 5 % would take f0 along by 9.5 %, of which no filter is known to be capable."""
+    sd = np.array([0.02, 0.3, 0.01])
+    tied = np.outer(sd, sd) * np.array([[1.0, 0.0, 0.95], [0.0, 1.0, 0.0], [0.95, 0.0, 1.0]])
+    names = ("f0", "k_tri", "beta")
+    post = SimpleNamespace(names=names, problem=SimpleNamespace(has_unheard=False))
+    assert np.abs(dynamics(post, tied, 1.1, unheard=False)[:, [0, 2]]).max() == 0.05
+    wide = dynamics(post, 100.0 * tied, 1.1, unheard=False)  # what is unsure anyway goes as far
+    assert np.abs(wide[:, 0]).max() > 0.05
+    assert np.all(np.abs(wide) <= np.maximum(0.05, 10.0 * sd))
+
+
 def test_what_is_known_well_follows_another_filter_no_farther_than_it_is_unsure() -> None:
     """f0 known to a thousandth has a correlation with a stiffness that is chance.
 

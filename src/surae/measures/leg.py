@@ -19,7 +19,7 @@ from surae.inference.result import LARGEST
 from surae.inference.uncertainty.combined import ZERO
 from surae.measures.muscle import Muscle, MuscleHold, MusclePlace, elongation, series
 from surae.measures.turned import held_still, tied_to_angles
-from surae.model import ModelOptions, ModelSpec, Simulator, TorqueParts
+from surae.model import GeometryTable, ModelOptions, ModelSpec, Simulator, TorqueParts
 from surae.model.contraction import FECC, MVSH
 from surae.model.equilibrium import FREE, solve
 from surae.model.geometry import JointAxis, paths
@@ -132,13 +132,15 @@ class Leg:
         """Path of a group as the geometry assumes it, with a second joint at an angle [rad]."""
         key = angle, second
         if key not in self._geometry:
-            at = np.array([angle])
+            # without a table: a number without a dimension takes half the time of one sample
+            shape = (1,) if isinstance(self.options.geometry, GeometryTable) else ()
+            at = np.full(shape, angle)
             still = held_still(second, 1)
-            both = paths(angle=at, velocity=np.zeros(1), options=self.options, second=still)
+            both = paths(angle=at, velocity=np.zeros(shape), options=self.options, second=still)
             tri, tib = (
                 MusclePlace(
                     *(
-                        float(of[0] if isinstance(of, np.ndarray) else of)
+                        of.item() if isinstance(of, np.ndarray) else float(of)
                         for of in (path.length, path.slope, path.arm, path.arm_slope)
                     )
                 )
@@ -172,12 +174,12 @@ class Leg:
             return degrees
         off = self.values.get(ZERO, 0.0)
         axis = JointAxis(
-            angle=np.array([degrees * _DEGREE + off]),
+            angle=np.array(degrees * _DEGREE + off),
             forward=forward,
             up=up,
             strap=self.options.anatomy.distance,
         )
-        return float(axis.joint.angle[0] - off) / _DEGREE
+        return float(axis.joint.angle - off) / _DEGREE
 
     def joint_torque(self, degrees: float) -> float:
         """Torque of the joint's own tissue at an angle [Nm]."""

@@ -19,10 +19,11 @@ from surae.recording import MUSCLES, Recording
 from surae.signals.inputs import Film, ModelInputs
 from surae.signals.timebase import GAP_STEPS
 
-#: A recording that lasts longer [s] is thinned to so many windows of that length [s], together as
-#: long as the longest that is read whole, so that more seconds never tell less: for a family of
-#: models, whose fit takes a hundred times as long as a named one's, and for one model.
-FAMILY = (300.0, 4, 75.0)
+#: A recording that lasts longer [s] is thinned to as many windows of that length [s] as it has room
+#: for, and not more than so many; together they are no shorter than the longest that is read whole,
+#: so that more seconds never tell less. For a family of models, whose fit takes a hundred times as
+#: long as a named one's, and for one model.
+FAMILY = (300.0, 6, 75.0)
 ONE = (900.0, 10, 90.0)
 #: So long before a window [s] the model begins, which tissue and muscles remember, and so long
 #: behind it filters look ahead.
@@ -164,6 +165,7 @@ def _thinned(
     lasts = float(time[-1] - time[0])
     if lasts <= longest:
         return _Thinned(recording.name, (recording,))
+    count = min(count, int(lasts / seconds))
     spans = tuple((begin, begin + seconds) for begin in _begins(moved, count, seconds))
     cut = recording.crop if isinstance(recording, Recording) else partial(_cropped, recording)
     windows = tuple(cut(begin - LEAD_S, end + _BEHIND_S) for begin, end in spans)

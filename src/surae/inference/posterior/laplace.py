@@ -117,7 +117,8 @@ def dynamics(posterior: LogPosterior, V: FloatArray, beta: float, *, unheard: bo
 
     No residual tells that from another filter; the other values follow along their valleys, of what
     electrodes hear as far as no residual tells: two standard deviations of what is moved, one of
-    their own. f0 and β may both be moved and their bandwidth not, which has a shift of its own.
+    their own. f0 and β may both be moved and their bandwidth not, which has a shift of its own; of
+    the two that follow it, or one another, neither goes farther than it may by itself.
     """
     size = _UNHEARD if unheard else ORDER
     if "release" in posterior.names and not posterior.problem.has_unheard:  # else the same twice
@@ -129,13 +130,15 @@ def dynamics(posterior: LogPosterior, V: FloatArray, beta: float, *, unheard: bo
         slope = -2.0 * beta**2 / np.hypot(1.0 - 2.0 * beta**2, 1.0)
         ways.append(ways[0] + slope * ways[1])
     moved = np.zeros((len(ways), len(V)))
-    most = np.inf if unheard else np.sqrt(np.diag(V))
+    sd = np.sqrt(np.diag(V))
+    most = np.inf if unheard else sd
+    farthest = np.inf if unheard else np.maximum(size, sd[at])
     for row, way in zip(moved, ways, strict=True):
         along = V @ way
         variance = float(way @ V @ way)
         reach = size if unheard else min(size, _TELLS * variance**0.5)
         row[:] = np.clip(reach * along / variance, -most, most)
-        row[at] = size * along[at] / variance
+        row[at] = np.clip(size * along[at] / variance, -farthest, farthest)
     return moved
 
 

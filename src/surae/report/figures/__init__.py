@@ -70,40 +70,41 @@ GREY = "#a3abb5"
 _HEADING = 2.0
 _ENTRY = 0.85
 #: Around panels over time [inch]: left of each, with a label of two lines and its numbers, right,
-#: above, below, and between two; from an axis to its label, below and left of it.
+#: above and below; from an axis to its label, below and left of it.
 _LEFT = 0.86
 _RIGHT = 0.16
 _ABOVE = 0.3
 _BELOW = 0.46
-_BETWEEN = 0.3
 _NUMBERS = (0.26, 0.5)
 #: What labels of a column ask each axis of it for.
 _ASKED = ("_update_ticks", "_get_ticklabel_bboxes")
 
 
-def new_figure(height: float, *, width: float = WIDTH) -> Figure:
+def new_figure(
+    height: float, *, width: float = WIDTH, layout: Literal["constrained"] | None = "constrained"
+) -> Figure:
     """An empty white figure; `height` and `width` in inches."""
-    return Figure(figsize=(width, height), layout="constrained", facecolor="white")
+    return Figure(figsize=(width, height), layout=layout, facecolor="white")
 
 
-def space(figure: Figure, rows: int, columns: int = 1) -> None:
-    """Lay out a grid of panels over time by margins of a fixed size; at its end.
+def space(figure: Figure, rows: int, columns: int = 1, between: float = 0.3) -> None:
+    """Lay out a grid of panels over time by margins [inch], in a figure without a layout.
 
-    To ask how far letters reach takes as long as to draw them: here it is known beforehand.
+    To ask how far letters reach takes as long as to draw them: here it is known beforehand, as long
+    as there is room for each legend `between` panels.
     """
-    if figure.canvas.manager is not None:  # a window may get another size
+    if figure.get_layout_engine() is not None:  # that of a window, which may get another size
         figure.align_ylabels()
         return
-    figure.set_layout_engine("none")
     width, height = figure.get_size_inches()
-    high = (height - _ABOVE - _BELOW - _BETWEEN * (rows - 1)) / rows
+    high = (height - _ABOVE - _BELOW - between * (rows - 1)) / rows
     wide = (width - _RIGHT - _LEFT * columns) / columns
     figure.subplots_adjust(
         left=_LEFT / width,
         right=1.0 - _RIGHT / width,
         top=1.0 - _ABOVE / height,
         bottom=_BELOW / height,
-        hspace=_BETWEEN / high,
+        hspace=between / high,
         wspace=_LEFT / wide,
     )
     for axes in figure.axes:

@@ -20,6 +20,8 @@ SHOWN = 8
 _WIDTH = 6.6
 _HEIGHT = 5.0
 _PANELS = (1.0, 2.0, 1.9)
+#: Between two panels [inch]: a heading, and a legend below it.
+_BETWEEN = 0.46
 #: Part of the time that is left empty between recordings, and letters that an inch has room for.
 _GAP = 0.02
 _LETTERS = 11
@@ -29,9 +31,9 @@ def first_figure(traces: Sequence[Traces]) -> Figure:
     """Angle, torque measured and modelled, and its parts; recordings stand beside each other."""
     shown = traces[:SHOWN]
     whole = reduce(_beside, [_begun(each) for each in shown])
-    figure = figures.new_figure(_HEIGHT, width=_WIDTH)
+    figure = figures.new_figure(_HEIGHT, width=_WIDTH, layout=None)
     grid = figure.subplots(3, 1, sharex=True, gridspec_kw={"height_ratios": _PANELS})
-    figures.space(figure, len(grid))
+    figures.space(figure, len(grid), between=_BETWEEN)
     rows = [(axes,) for axes in grid]
     draw_angle(rows[0], whole)
     draw_torque(rows[1], whole)

@@ -25,7 +25,7 @@ def tendon_figure(traces: Traces, state: TendonState) -> Figure:
 
     Triceps surae left, tibialis anterior right; lengths and velocities in optimal lengths.
     """
-    figure = figures.new_figure(10.2)
+    figure = figures.new_figure(10.2, layout=None)
     grid = figure.add_gridspec(6, 2, height_ratios=[1.25, 1.1, 1.0, 1.35, 0.03, 1.75])
     start = float(traces.time[0])
     end = float(traces.time[-1])

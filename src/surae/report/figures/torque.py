@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -56,7 +56,9 @@ def torque_figure(traces: Traces, *, width: float = WIDTH, figure: Figure | None
     heights = [_STRIP * len(muscles)] * bool(muscles) + [_ANGLE, _TORQUE, _TORQUE]
     both = cycles is not None and width > _BOTH
     height = (_ROOM + sum(heights)) * (0.6 * WIDTH + 0.4 * width) / WIDTH  # narrower, if less so
-    figure = figures.new_figure(height, width=width) if figure is None else figure
+    wide = width >= WIDTH and not both  # legends stand beside their headings
+    layout: Literal["constrained"] | None = None if wide else "constrained"
+    figure = figures.new_figure(height, width=width, layout=layout) if figure is None else figure
     figure.set_size_inches(width, height)
     grid = figure.subplots(
         len(heights),
@@ -66,7 +68,8 @@ def torque_figure(traces: Traces, *, width: float = WIDTH, figure: Figure | None
         sharey="row",
         gridspec_kw={"height_ratios": heights, "width_ratios": (3, 2) if both else (1,)},
     )
-    figures.space(figure, *grid.shape)
+    if wide:
+        figures.space(figure, len(heights))
     rows: list[_Row] = [tuple(row) for row in grid]
     if muscles:
         _emg(rows[0], traces, muscles, cycles)
@@ -81,6 +84,8 @@ def torque_figure(traces: Traces, *, width: float = WIDTH, figure: Figure | None
         rows[0][1].set_title(f"Mean ± SD of {count} cycles", loc="left", fontsize=9, color=INK)
         rows[-1][1].set_xlabel(f"Cycle of {cycles.seconds:.2f} s [%]", fontsize=9, color=INK)
         rows[-1][1].set_xlim(0.0, 100.0)
+    if not wide:
+        figures.align(figure)
     return figure
 
 
