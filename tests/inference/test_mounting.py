@@ -5,10 +5,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import surae
 from surae.inference.judging.of_fit import foot_moved
 from surae.inference.posterior.conflict import ZERO_NAME
 from surae.inference.posterior.mounting import STAYS, mountings
 from surae.inference.result import Mounting
+from surae.recording.corrections import Corrections
 
 #: Samples of each recording, their rate [Hz] and the noise of the torque [Nm].
 N, RATE, NOISE = 800, 50.0, 0.3
@@ -74,3 +76,17 @@ def test_a_moved_foot_speaks_against_a_fit_by_its_trial() -> None:
     (said,) = foot_moved((Mounting("slow", -8.2, 2.0, 1e-6), Mounting("walk", 6.2, 2.0, 1e-6)))
     assert said.values["trial"] == "slow"
     assert "by 8° (± 4°)" in str(said)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("degrees", [0.0, 8.0])
+def test_a_foot_that_moved_between_trials_of_another_generator_is_no_yes(tmp_path, degrees) -> None:
+    make = pytest.importorskip("ankle_legs.make")
+    (rest,) = make.make("va", 401, tmp_path, (1,), kind="passive")
+    (active,) = make.make("va", 401, tmp_path, (2,))
+    rotated = Corrections(offset={"angle": np.radians(degrees)})
+    trials = [rotated(surae.read(rest)), surae.read(active)]
+    fit = surae.session(trials).fit()
+    said = [reason for reason in fit.adequacy.against if reason.code == "foot-moved"]
+    assert bool(said) == bool(degrees)
+    assert (fit.adequacy.grade == "adequate") == (not degrees)

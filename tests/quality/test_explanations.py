@@ -9,9 +9,11 @@ import surae
 from marks import slow
 from surae.base.frozen import read_only
 from surae.inference.diagnosis import quick
+from surae.inference.diagnosis.quick import quick_fit
 from surae.inference.least_squares.separable import scan_lengths
 from surae.protocol import Protocol, generate
 from surae.quality import recording_of
+from surae.quality.trial import signals_of
 from surae.recording import Recording
 from surae.signals import Weighting
 from surae.studies import virtual_subject, virtual_trial
@@ -217,3 +219,26 @@ def test_an_amplifier_that_idles_is_no_passive_trial(legs) -> None:
     assert finding.severity == "error"
     assert "amplifier" in finding.advice
     assert "passive trial, fix" not in finding.advice
+
+
+def test_a_zero_competes_with_signs_and_lag_and_has_the_runner_up_beside_it(legs) -> None:
+    told = {}
+    for leg in legs:
+        zero = quick_fit(leg, signals_of(leg)).zero
+        off = changed(leg, "torque", lambda v, zero=zero: v - zero - 15.0)
+        told = {f.code: f for f in surae.check(off).findings}
+        assert told["torque-offset"].value == pytest.approx(-15.0, abs=3.0)
+        assert not CLAIMS & set(told)
+    assert "the next best, that" in told["torque-offset"].message
+    assert told["torque-offset"].message.count("%") == 3
+
+
+def test_no_fit_tells_the_unit_of_emg(recording) -> None:
+    """It competes with nothing: weights take any unit that all electrodes have alike."""
+    as_it_is = quick_fit(recording, signals_of(recording))
+    for factor in (1e-3, 1e3):
+        other = recording
+        for muscle in ("ta", "gl", "sol", "gm"):
+            other = changed(other, f"emg_{muscle}", lambda v, by=factor: v * by)
+        same = quick_fit(other, signals_of(other))
+        assert same.r2 == pytest.approx(as_it_is.r2, abs=1e-9)

@@ -61,13 +61,17 @@ def columns_reversed(recording: Recording) -> Recording:
 
 
 def with_rest_before(recording: Recording) -> Recording:
-    """Five seconds more of what the first half second shows, on."""
+    """Five seconds more of what the first half second shows, on; the angle is where it begins.
+
+    A torque held at its first sample would hold that sample's noise for five seconds: of a virtual
+    leg that alone made R² 99.5 % of 99.96 %.
+    """
 
     def of(channel: Channel) -> Channel:
         first = channel.values[: max(round(0.5 * channel.rate_hz), 2)]
         n = round(5.0 * channel.rate_hz)
         lead = np.resize(np.concatenate([first, first[::-1]]), n)[::-1]
-        if channel.role in ("angle", "torque"):
+        if channel.role == "angle":
             lead = np.full(n, channel.values[0]) + 1e-6 * np.sin(np.arange(n))
         step = 1.0 / channel.rate_hz
         time = channel.time[0] + step * np.arange(-n, 0)
@@ -256,12 +260,18 @@ def test_what_averages_otherwise_hardly_changes_what_rest_tells(legs) -> None:
     trials = legs["envelope"]
     before = surae.relaxed(trials).measures
     known = {name: m for name, m in before.items() if m.value is not None}
-    for name, changed in (
-        ("twice", [at_twice_the_rate(each) for each in trials]),
-        ("before", [with_rest_before(each) for each in trials]),
-        ("cut", [half for each in trials for half in cut(each)]),
-    ):
+    for name, changed in averaged_otherwise(trials).items():
         assert farthest(known, surae.relaxed(changed).measures) < OTHERWISE[name], name
+
+
+def averaged_otherwise(trials: Sequence[Recording]) -> dict[str, list[Recording]]:
+    """Trials at twice the rate, with rest before those that begin at rest, and cut in two."""
+    rest = [each if each.name == "isometric" else with_rest_before(each) for each in trials]
+    return {
+        "twice": [at_twice_the_rate(each) for each in trials],
+        "before": rest,
+        "cut": [half for each in trials for half in cut(each)],
+    }
 
 
 def shorter(recording: Recording) -> Recording:

@@ -26,7 +26,7 @@ from surae.measures.relaxed_change import remounting, rest_change
 from surae.measures.strength import strength_change
 from surae.measures.visits import compare_visits
 from surae.nerve.change import NerveChange, of_files
-from surae.signals import Weighting, weighted
+from surae.signals import Weighting, led_in, weighted
 from surae.trials.folder import fit_in, require_own
 
 #: Angles of changes by default [deg].
@@ -264,7 +264,7 @@ def validate(
     >>> surae.validate(surae.load("fit.json"), ["other.csv"])[0].adequacy.grade
     """
     known = fit_of(fit)
-    inputs = as_in_fit(known.result.problem, several(recordings), prepared)
+    inputs = list(map(led_in, as_in_fit(known.result.problem, several(recordings), prepared)))
     counted = inputs if weights is None else weighted(inputs, weights)
     adequate = known.adequacy.grade == Grade.ADEQUATE
     return predict_others(known.result, counted, known.assessment.uncertainty, adequate=adequate)

@@ -10,6 +10,7 @@ from surae.signals.inputs import (
     inputs_as_given,
     same_signals,
 )
+from surae.signals.lead_in import led_in
 from surae.signals.normalise import (
     emg_levels,
     emg_reference,
@@ -39,6 +40,7 @@ __all__ = [
     "emg_reference",
     "emg_sizes",
     "inputs_as_given",
+    "led_in",
     "noise_alone",
     "normalise",
     "normalised",

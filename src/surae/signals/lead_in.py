@@ -16,27 +16,33 @@ from surae.base.words import Message
 from surae.signals.inputs import ModelInputs
 from surae.signals.normalise import smooth_effort
 
+#: Time [s] in which a critically damped activation of 1.3 Hz forgets all but 2 %; a recording that
+#: is shorter than so many times that counts whole.
+SETTLING_S = 0.7
+LONG = 4.0
 #: Most by which angle and torque may differ at begin and end, in parts of their range, and the EMG
 #: of an electrode, in parts of its largest: six strides of an adult differ by up to 0.08 and 0.2.
 _ANGLE = 0.15
 _EMG = 0.4
 
 
-def led_in(recording: ModelInputs, seconds: float) -> ModelInputs:
-    """A recording with so much of its end before it [s], where it ends as it began; else as it is.
+def led_in(recording: ModelInputs) -> ModelInputs:
+    """A short recording with its end before it, where it ends as it began; else as it is.
 
-    The samples before it have weight 0, and times before its first.
+    The samples before it have weight 0, and times before its first. One that has weights is as its
+    user wants it, or led in already.
     """
-    count = min(round(seconds * recording.rate_hz), recording.n - 1)
-    if not _returns(recording):
+    long = recording.n >= LONG * SETTLING_S * recording.rate_hz
+    if long or recording.weight is not None or not _returns(recording):
         return recording
+    count = min(round(SETTLING_S * recording.rate_hz), recording.n - 1)
 
     def longer(signal: FloatArray) -> FloatArray:
         """With its end before its begin; the last sample is the first of the next cycle."""
         return read_only(np.concatenate([signal[-count - 1 : -1], signal]))
 
     before = recording.time[0] + np.arange(-count, 0) / recording.rate_hz
-    weights = np.concatenate([np.zeros(count), recording.weights])
+    weights = np.concatenate([np.zeros(count), np.ones(recording.n)])
     motion: dict[str, Any] = {
         name: longer(getattr(recording, name)) for name in ("angle", "velocity", "acceleration")
     }

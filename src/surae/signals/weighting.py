@@ -16,7 +16,7 @@ from surae.base.units import FloatArray
 from surae.base.words import N_, Message
 from surae.recording import MUSCLES
 from surae.signals.inputs import ModelInputs
-from surae.signals.lead_in import led_in
+from surae.signals.lead_in import LONG, SETTLING_S, led_in
 from surae.signals.normalise import emg_levels, quiet_levels, smooth_effort, steady_emg
 
 #: Activity is averaged over this time [s], so that a weight does not follow the torque's noise: it
@@ -25,12 +25,8 @@ _SMOOTH_S = 0.25
 #: Percentile of the activity that counts as a full peak; an artefact above it counts no more.
 _PEAK = 95.0
 #: A muscle whose EMG begins above this part of what it reaches is active when a recording begins.
-#: What its EMG was before is not recorded: nothing counts for so long [s], in which a critically
-#: damped activation of 1.3 Hz forgets all but 2 %.
+#: What its EMG was before is not recorded: nothing counts until an activation has forgotten it.
 _ACTIVE = 0.1
-_SETTLING_S = 0.7
-#: A recording that is shorter than so many times that counts whole; its end may stand before it.
-_LONG = 4.0
 
 
 @documented
@@ -153,9 +149,9 @@ def _settled(recording: ModelInputs, begins: FloatArray) -> ModelInputs:
     first = smooth_effort(recording.emg.T, recording.rate_hz)[:, 0]
     if not (first > begins).any():
         return recording
-    if seconds < _LONG * _SETTLING_S:
-        return led_in(recording, _SETTLING_S)
-    left_out = Weighting(windows=((-math.inf, start + _SETTLING_S, 0.0),))
+    if seconds < LONG * SETTLING_S:
+        return led_in(recording)
+    left_out = Weighting(windows=((-math.inf, start + SETTLING_S, 0.0),))
     why = "Muscles are active from the first sample, and what their EMG was before is not recorded."
     made = _weighted(recording, left_out)
     return replace(made, steps=(*made.steps, why))

@@ -1,9 +1,10 @@
-"""Signs, electrodes, time and gain that may be wrong, in one comparison: the best is named.
+"""Signs, electrodes, time, gain and zero that may be wrong, in one comparison: the best is named.
 
-A turned angle, exchanged electrodes, EMG that is late and a torque that drifts all make a model
-explain less. Each is tried with the same quick fit. What explains most is what is said, with the
-next best beside it, and it is an error where the evidence for it, by as many samples as the
-residual is worth, leaves no doubt.
+A turned angle, exchanged electrodes, EMG that is late, a torque that drifts or whose zero is off
+all make a model explain less. Each is tried with the same quick fit. What explains most is what is
+said, with the next best beside it, and it is an error where the evidence for it, by as many samples
+as the residual is worth, leaves no doubt. What a unit of the EMG does no fit can tell: weights take
+any.
 """
 
 from collections.abc import Iterator
@@ -13,6 +14,7 @@ from surae.base.words import Message
 from surae.inference.diagnosis.explanations import (
     EVIDENCE,
     EXPLAINS,
+    SIGNS,
     Explanation,
     compared,
     evidence,
@@ -20,7 +22,6 @@ from surae.inference.diagnosis.explanations import (
     possible,
     swapped,
     tried,
-    turned,
 )
 from surae.inference.diagnosis.quick import QuickFit, percent, quick_fit
 from surae.quality import Finding
@@ -56,6 +57,9 @@ _DRIFT_SHARE = 0.21
 #: than 0.26 of a group, and 0.42 of all together where force is no multiple of EMG (family b).
 _GAIN = (0.28, 1.6)
 _GAIN_SHARE = {"emg_ta": 0.3, "emg_triceps": 0.3, "emg": 0.46}
+#: A zero that is worth a word [Nm], in a fit that leaves so much less by it.
+_ZERO = 8.0
+_ZERO_GAIN = 1.3
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +97,7 @@ def rivals(recording: Recording, signals: Signals, first: QuickFit) -> Rivals:
     as_it_is = Explanation("", departures=0, fit=first)
     tries: list[Explanation] = []
     if first.r2 < _GOOD:
-        others = [turned(-1.0, 1.0), turned(1.0, -1.0), turned(-1.0, -1.0)]
+        others = [*SIGNS]
         if "ta" in signals.fast:
             others += [swapped("ta", muscle) for muscle in MUSCLES[1:] if muscle in signals.fast]
         tries = [tried(recording, signals, each) for each in others]
@@ -162,6 +166,32 @@ def best_of(signals: Signals, tries: Rivals, *, late: bool, slow: bool) -> Itera
         severity="error" if certain else "warning",
         ms=1e3 * abs(lag.seconds),
         numbers=compared(lag.how, tries.as_it_is, others),
+    )
+
+
+def zero(recording: Recording, signals: Signals, tries: Rivals) -> Iterator[Finding]:
+    """A torque whose zero is off by more than a foot can weigh, where nothing else is as good.
+
+    Every fit here has a zero; what competes with it is tried anew without one.
+    """
+    fit = tries.as_it_is.fit
+    assert fit is not None
+    if recording.fixed.get("m") == 0.0 or abs(fit.zero) < _ZERO or fit.r2 < GOOD_ENOUGH:
+        return
+    without = quick_fit(recording, signals, zero=False, near=fit)
+    if without is None or without.unexplained < _ZERO_GAIN * fit.unexplained:
+        return
+    others = [tried(recording, signals, how, zero=False) for how in tries.signs or SIGNS]
+    if tries.lag is not None:
+        later = dict.fromkeys(MUSCLES, tries.lag.seconds)
+        late = quick_fit(recording, signals, later=later, zero=False, near=fit)
+        others.append(replace(tries.lag.how, fit=late))
+    if max(each.r2 for each in others) >= fit.r2:
+        return
+    numbers = compared(tries.as_it_is, Explanation("", fit=without), others)
+    span = span_of(signals.time)
+    yield make_finding(
+        "torque-offset/fitted", "torque", span, fit.zero, level=fit.zero, numbers=numbers
     )
 
 

@@ -51,8 +51,10 @@ def evidence(better: Explanation, worse: Explanation) -> float:
     return better.fit.samples * float(np.log(worse.fit.unexplained / better.fit.unexplained))
 
 
-def tried(recording: Recording, signals: Signals, how: Explanation) -> Explanation:
-    """An explanation with its fit."""
+def tried(
+    recording: Recording, signals: Signals, how: Explanation, *, zero: bool = True
+) -> Explanation:
+    """An explanation with its fit, in which the torque's `zero` is free or not."""
     channels = how.right(recording).channels
     angle, torque = (
         sampled(channels[role], signals.time, signals.rate_hz) for role in ("angle", "torque")
@@ -61,7 +63,8 @@ def tried(recording: Recording, signals: Signals, how: Explanation) -> Explanati
     for a, b in how.right.swap:
         exchanged = {a: fast.get(b), b: fast.get(a)}
         fast |= {muscle: each for muscle, each in exchanged.items() if each is not None}
-    fit = quick_fit(recording, replace(signals, angle=angle, torque=torque, fast=fast))
+    instead = replace(signals, angle=angle, torque=torque, fast=fast)
+    fit = quick_fit(recording, instead, zero=zero)
     return replace(how, fit=fit)
 
 
@@ -103,6 +106,10 @@ def turned(angle: float, torque: float) -> Explanation:
     roles = [name for name, sign in (("angle", angle), ("torque", torque)) if sign < 0.0]
     words = Message(f"read/turned/{'-'.join(roles)}") if roles else ""
     return Explanation(words, Corrections(sign=dict.fromkeys(roles, -1.0)), len(roles))
+
+
+#: Signs other than those of a recording.
+SIGNS = (turned(-1.0, 1.0), turned(1.0, -1.0), turned(-1.0, -1.0))
 
 
 def swapped(first: str, second: str) -> Explanation:

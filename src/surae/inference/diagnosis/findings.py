@@ -1,6 +1,6 @@
 """Findings of the checks and of quick fits together: a sign, a zero or a lag is tried by a fit."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,11 +14,11 @@ from surae.inference.diagnosis.between import (
     lagging_stream,
 )
 from surae.inference.diagnosis.clocks import clock_finding, estimated_clock
-from surae.inference.diagnosis.competing import GOOD_ENOUGH, Rivals, best_of, rivals, signs
+from surae.inference.diagnosis.competing import GOOD_ENOUGH, Rivals, best_of, rivals, signs, zero
 from surae.inference.diagnosis.explanations import EVIDENCE, EXPLAINS, evidence
 from surae.inference.diagnosis.long import examined_in_windows, is_long
 from surae.inference.diagnosis.moving import moved
-from surae.inference.diagnosis.quick import QuickFit, percent, quick_fit
+from surae.inference.diagnosis.quick import QuickFit, quick_fit
 from surae.inference.diagnosis.units import wrong_units
 from surae.quality import Commanded, Finding, Quality, Skipped, check_recording
 from surae.quality.electrodes import Electrodes
@@ -36,9 +36,6 @@ from surae.recording import MUSCLES, Recording
 _SHIFT_GAIN = 0.03
 #: An angle that keeps within this [rad] for all but a hundredth of the time is held still.
 STILL = 0.03
-#: A zero that is worth a word [Nm], in a fit that leaves so much less by it.
-_ZERO = 8.0
-_ZERO_GAIN = 1.3
 #: Part of a zero seen in the torque's constant part that a fit must find too.
 _AGREED = 0.25
 #: What only a fit tells.
@@ -181,14 +178,12 @@ def _by_fit(
         certain = any(evidence(each, tries.as_it_is) >= EVIDENCE for each in tries.turned)
         findings += [f if certain else replace(f, severity="warning") for f in against]
     constant = next((f for f in quality.findings if f.code == "torque-offset"), None)
-    if constant is None:
-        findings += _zero(right, signals, fit)
-    elif fit.r2 >= GOOD_ENOUGH:
+    if constant is not None and fit.r2 >= GOOD_ENOUGH:
         # A fit's zero goes the way, and a part of it, that the torque's constant part says.
         beyond = (constant.value or 0.0) - sum(GRAVITY) / 2
         if not fit.zero * beyond >= _AGREED * beyond**2:
-            false.append(constant)
-    return findings, false
+            return findings, [*false, constant]
+    return [*findings, *zero(right, signals, tries)], false
 
 
 def _with_interval(
@@ -212,23 +207,6 @@ def _together(quality: Quality, findings: list[Finding], but: tuple[str, ...] = 
     kept = [finding for finding in quality.findings if finding.code not in own]
     skipped = tuple(reason for reason in quality.skipped if reason.check not in own)
     return replace(quality, findings=ordered([*findings, *kept]), skipped=skipped)
-
-
-def _zero(recording: Recording, signals: Signals, fit: QuickFit) -> Iterator[Finding]:
-    """A torque whose zero is off by more than a foot can weigh."""
-    if recording.fixed.get("m") == 0.0 or abs(fit.zero) < _ZERO or fit.r2 < GOOD_ENOUGH:
-        return
-    without = quick_fit(recording, signals, zero=False, near=fit)
-    if without is not None and without.unexplained >= _ZERO_GAIN * fit.unexplained:
-        yield make_finding(
-            "torque-offset/fitted",
-            "torque",
-            span_of(signals.time),
-            fit.zero,
-            level=fit.zero,
-            before=percent(without.r2),
-            after=percent(fit.r2),
-        )
 
 
 def _explains(lag: Finding, recording: Recording, signals: Signals, first: QuickFit) -> bool:

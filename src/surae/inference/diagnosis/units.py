@@ -7,7 +7,14 @@ import numpy as np
 
 from surae.base.frozen import read_only
 from surae.base.words import Message
-from surae.inference.diagnosis.explanations import Explanation, compared, joined, possible, tried
+from surae.inference.diagnosis.explanations import (
+    SIGNS,
+    Explanation,
+    compared,
+    joined,
+    possible,
+    tried,
+)
 from surae.quality import Finding
 from surae.quality.electrodes import Electrode, Electrodes, electrodes_of
 from surae.quality.finding import make_finding
@@ -124,9 +131,15 @@ def _torque_unit(recording: Recording) -> _Righted | None:
         if least <= top * factor <= most
     ]
     as_it_is = Explanation("")
+    signs: list[Explanation] = []
     if unfit(recording) is None:
         signals = signals_of(recording)
         as_it_is, *others = (tried(recording, signals, each) for each in (as_it_is, *others))
+        if least <= top <= most:  # so large an ankle's may be, and a sign be what is wrong
+            signs = [tried(recording, signals, each) for each in SIGNS]
+    clearly = possible([as_it_is, *others, *signs])
+    if clearly and all(each in signs for each in clearly):
+        return None
     good = possible([as_it_is, *others])
     likely = [each for each in good or others if each is not as_it_is]
     plausible = least <= top <= most and (as_it_is in good or not good)
@@ -142,7 +155,8 @@ def _torque_unit(recording: Recording) -> _Righted | None:
         likely = [*likely, *([Explanation(Message("read/Nm"))] if plausible else ())]
         what = Message("read/either", what=joined(*(each.words for each in likely), by="or"))
     else:
-        numbers = compared(best, as_it_is, [each for each in others if each is not best])
+        rest = [each for each in (*others, *signs) if each is not best]
+        numbers = compared(best, as_it_is, rest)
         which = "read/it-is/compared" if numbers else "read/it-is"
         what = Message(which, what=best.words, numbers=numbers)
     advice = best.right.lines(recording)
