@@ -48,7 +48,8 @@ class Ankle:
         drift = np.cumsum(draw.standard_normal(n))
         torque += 0.5 * self.noise * (drift - drift.mean()) / drift.std() + 3.0
         torque += self.noise * draw.standard_normal(n)
-        return {"time": t, "angle": angle + 0.1, "torque": torque}
+        shown = angle + 0.1 + 1e-6 * np.random.default_rng([seed, 1]).standard_normal(n)
+        return {"time": t, "angle": shown, "torque": torque}  # a sensor that has some noise
 
     def recording(self, seed: int = 1) -> Recording:
         return Recording.from_arrays(**self.moved(seed), name="ankle")

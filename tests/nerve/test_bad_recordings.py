@@ -108,8 +108,7 @@ def test_a_torque_at_its_limit_is_told_though_noise_lies_on_it(ankle, part, nois
 @pytest.mark.parametrize("seed", range(4))
 def test_a_torque_that_has_room_is_not_said_to_be_limited(ankle, seed) -> None:
     moved = ankle(seconds=40.0, noise=0.02 * seed + 0.005, switch=0.15 + 0.1 * seed).moved(seed)
-    angle = moved["angle"] + 5e-6 * np.random.default_rng(seed).standard_normal(len(moved["angle"]))
-    samples = usable("x", moved["time"], angle, moved["torque"])
+    samples = usable("x", moved["time"], moved["angle"], moved["torque"])
     assert samples.notes == ()
 
 

@@ -8,8 +8,13 @@ from scipy import signal
 
 from ankle_legs import perturbed
 from perturbed_ankle import Ankle
+from surae.base.words import Message
+from surae.nerve.channels import without
 from surae.nerve.impedance import perturbed as told_of
+from surae.nerve.judged import Number
 from surae.nerve.limits import repeats_its_largest
+from surae.nerve.perturbed_records import ReflexPath
+from surae.nerve.reflex_claim import Claimed
 from surae.nerve.steps import steps_of
 from surae.recording import Recording
 
@@ -135,6 +140,21 @@ def test_a_torque_that_was_limited_and_then_filtered_tells_stiffness_alone(famil
         if name != "intrinsic_stiffness":
             assert measure.value is None
             assert "at its channel’s limit" in measure.note
+
+
+def test_no_reflex_is_bounded_where_the_torque_was_limited() -> None:
+    number = Number(70.0, 68.0, 72.0)
+    claims = Claimed(
+        ReflexPath("none seen", None, "at most 1 %"),
+        {"intrinsic_stiffness": number, "inertia": number},
+        {"reflex_share": (0.0, 1.0)},
+        Message("none"),
+    )
+    fewer = without(claims, ["inertia", "reflex_share"], Message("at its limit"))
+    assert fewer.reflex.verdict == "cannot tell"
+    assert [*fewer.numbers] == ["intrinsic_stiffness"]
+    assert not fewer.hidden
+    assert str(fewer.refused["reflex_share"]) == "at its limit"
 
 
 @pytest.mark.slow

@@ -1,6 +1,6 @@
 """What both channels allow to be claimed: a position in coarse steps, a torque at its limit."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from surae.base.words import N_, Message
@@ -10,6 +10,7 @@ from surae.nerve.identify import Cascade
 from surae.nerve.judged import INTRINSIC, REFLEX, Number, share
 from surae.nerve.limits import limits_of, repeats_its_largest, restored
 from surae.nerve.measures import MEASURES
+from surae.nerve.perturbed_records import ReflexPath
 from surae.nerve.reflex_claim import Claimed
 from surae.nerve.samples import Samples
 
@@ -42,31 +43,34 @@ def in_channels(
         fits = coarser(samples, highest, *told)
         parts = [_apart(claims.numbers, told, each) for each in fits]
         most = {name: max(part[name] for part in parts) for name in claims.numbers}
-        worst = max(most.values())
-        refused = {}
-        if worst > MOST:  # they are estimated together: where one goes wrong, others do
-            refused = dict.fromkeys(MEASURES, Message(TOO_COARSE, part=100.0 * worst))
-        claims = _allowing(claims, {n: TWICE * p for n, p in most.items()}, refused)
+        claims = _allowing(claims, {name: TWICE * part for name, part in most.items()})
+        if (worst := max(most.values())) > MOST:  # they are estimated together
+            claims = without(claims, MEASURES, Message(TOO_COARSE, part=100.0 * worst))
     ends = limits_of(*told)
     limited = bool(ends) or repeats_its_largest(samples.torque)
     if limited:
         apart = _apart(claims.numbers, told, restored(*told, ends))
-        wrong = {name: max(part, WRONG) for name, part in apart.items()}
-        lost = {name: Message(CUT_OFF) for name in MEASURES if name != SLOW}
-        claims = _allowing(claims, wrong, lost)
+        claims = _allowing(claims, {name: max(part, WRONG) for name, part in apart.items()})
+        claims = without(claims, [name for name in MEASURES if name != SLOW], Message(CUT_OFF))
     return claims, limited
 
 
-def _allowing(
-    claims: Claimed, parts: Mapping[str, float], refused: Mapping[str, Message]
-) -> Claimed:
-    """Claims with so great errors, as parts, in their intervals, and without what is refused."""
-    numbers = {
-        name: number.allowing(parts[name])
-        for name, number in claims.numbers.items()
-        if name not in refused
-    }
-    return replace(claims, numbers=numbers, refused={**claims.refused, **refused})
+def _allowing(claims: Claimed, parts: Mapping[str, float]) -> Claimed:
+    """Claims with so great errors, as parts of the numbers, in their intervals."""
+    numbers = {name: number.allowing(parts[name]) for name, number in claims.numbers.items()}
+    return replace(claims, numbers=numbers)
+
+
+def without(claims: Claimed, names: Iterable[str], why: Message) -> Claimed:
+    """Claims without some numbers, and so without a reflex that is not seen."""
+    refused = dict.fromkeys(names, why)
+    numbers = {name: each for name, each in claims.numbers.items() if name not in refused}
+    reflex = claims.reflex
+    if reflex.verdict == "none seen":
+        reflex = ReflexPath("cannot tell", None, why)
+    return replace(
+        claims, reflex=reflex, numbers=numbers, hidden={}, refused={**claims.refused, **refused}
+    )
 
 
 def _apart(
