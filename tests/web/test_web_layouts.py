@@ -42,7 +42,8 @@ def as_the_command_line(answer, path: Path) -> None:
         found = surae.inspect(path)
     except InputError as refused:
         assert answer.status_code != 200, answer.text
-        assert answer.json()["error"].endswith(str(refused).removeprefix(f"{path}"))
+        said = str(refused).removeprefix(f"{path}")
+        assert answer.json()["error"].endswith(said)
         return
     assert answer.status_code == 200, answer.text
     lines = [*found.advice, *found.remarks]
