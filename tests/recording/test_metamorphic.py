@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 import surae
@@ -113,7 +113,14 @@ def answers(path) -> tuple[list, list, dict]:
     return codes, roles, told
 
 
-QUIET = {"deadline": None, "suppress_health_check": list(HealthCheck)}
+#: The same examples every time, and none made smaller: the suite has an end that is known.
+QUIET = {
+    "deadline": None,
+    "suppress_health_check": list(HealthCheck),
+    "derandomize": True,
+    "database": None,
+    "phases": (Phase.explicit, Phase.generate),
+}
 
 
 @pytest.mark.parametrize(
@@ -129,7 +136,7 @@ def test_what_says_the_same_otherwise_is_answered_the_same(legs, task, tmp_path)
     codes, roles, told = answers(path)
 
     @given(how=WRITTEN)
-    @settings(max_examples=12, **QUIET)
+    @settings(max_examples=6, **QUIET)
     def same(how) -> None:
         path.write_text(as_csv(legs[task], how), newline="")
         other_codes, other_roles, other = answers(path)
@@ -193,7 +200,7 @@ def spoilt(text: str, edit) -> str:
 
 
 @pytest.mark.parametrize(
-    "examples", [pytest.param(6, id="few"), pytest.param(30, marks=pytest.mark.slow, id="many")]
+    "examples", [pytest.param(6, id="few"), pytest.param(20, marks=pytest.mark.slow, id="many")]
 )
 def test_what_is_spoilt_is_one_line_or_an_answer(legs, examples, tmp_path) -> None:
     path = tmp_path / "trial.csv"
@@ -234,7 +241,7 @@ def test_of_a_spoilt_file_nothing_false_is_identified(legs, tmp_path) -> None:
     whole = surae.relaxed(path).measures
 
     @given(edits=st.lists(EDIT.filter(lambda e: e[0] != "cut"), min_size=1, max_size=2))
-    @settings(max_examples=20, **QUIET)
+    @settings(max_examples=10, **QUIET)
     def holds(edits) -> None:
         made = text
         for edit in edits:

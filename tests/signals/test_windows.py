@@ -113,7 +113,7 @@ def test_a_fit_names_its_windows() -> None:
     assert inputs.name.count(" to ") == ONE[1]
     assert inputs.counted / inputs.rate_hz == pytest.approx(ONE[0], abs=1.0)
     assert are_windows(inputs)
-    assert not are_windows(api.inputs_for(FitSettings.of("muscle"), [long(20.0)])[0])
+    assert not are_windows(api.inputs_for(FitSettings.of("muscle"), [long(20.0, rate=200.0)])[0])
 
 
 def with_gap(begin, end, *roles):

@@ -573,6 +573,45 @@ def test_a_row_says_what_was_kept_or_is_damaged(tmp_path) -> None:
     assert len(upkeep.check(tmp_path / "p").problems) == 4
 
 
+@pytest.mark.parametrize("kind", ["fit", "recording", "session"])
+def test_verdicts_of_a_row_without_its_checksum_are_not_believed(tmp_path, kind) -> None:
+    """Whoever edits a row may take its checksum off too: lists then show no verdict of it."""
+    one = {"value": 1.0, "sem": 0.01, "low": 0.9, "high": 1.1, "verdict": "identified"}
+    rows = {
+        "fit": {
+            **{"name": "x", "model": "muscle", "status": "converged", "vaf": 99.0, "r2": 99.0},
+            **{"grade": "adequate", "ipde": 0.1, "recordings": ["0" * 16], "names": ["t"]},
+            **{"parameters": {"m": one}, "measures": {"end_torque": one}, "settings": {}},
+        },
+        "recording": {
+            **{"name": "x", "subject": None, "side": None, "trial": "", "condition": ""},
+            **{"duration_s": 1.0, "emg": None, "fixed": {}, "channels": [], "files": []},
+            **{"mapping": None, "findings": [], "first": {"says": "a normal leg"}},
+        },
+        "session": {
+            **{"name": "x", "recordings": ["0" * 16], "fits": {}, "settings": {}},
+            "content": {"adequacy": {"grade": "adequate"}},
+        },
+    }
+    content = rows[kind]
+    project = Project(tmp_path / "p")
+    id_ = project.database.add(kind, content)
+    sealed = project.database.get(kind, id_)
+    project.close()
+    assert sealed is not None
+    assert {key: sealed[key] for key in content} == content
+    with contextlib.closing(sqlite3.connect(tmp_path / "p" / "project.db")) as file, file:
+        file.execute("UPDATE thing SET data = ? WHERE id = ?", (json.dumps(content), id_))
+    again = Project(tmp_path / "p")
+    shown = again.database.get(kind, id_)
+    again.close()
+    assert shown is not None
+    assert shown["name"] == "x (not sealed: made by an older version)"
+    text = json.dumps(shown)
+    assert not any(word in text for word in ("identified", '"adequate"', "99.0", "a normal leg"))
+    assert upkeep.check(tmp_path / "p").unsealed[:1] == (f"what {kind} {id_} says",)
+
+
 def test_a_row_of_an_older_version_has_no_checksum_and_a_check_says_so(tmp_path) -> None:
     project = Project(tmp_path / "p")
     id_ = project.database.add("subject", SUBJECT)

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 import surae
+from surae.api import nothing_mapped
 from surae.base.errors import InputError
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "recording"))
@@ -32,13 +33,63 @@ def test_uploads_give_the_sentences_of_the_command_line(browser, tmp_path, text)
     path.write_text(text)
     id_ = browser.post("/api/uploads", params={"name": path.name}, content=text).json()["id"]
     answer = browser.get(f"/api/uploads/{id_}/inspect")
-    if answer.status_code == 200:
-        advice = list(surae.inspect(path).advice)
-        assert answer.json()["notes"][: len(advice)] == advice
+    as_the_command_line(answer, path)
+
+
+def as_the_command_line(answer, path: Path) -> None:
+    """Whether an upload's inspection says what `surae inspect` says of the file."""
+    try:
+        found = surae.inspect(path)
+    except InputError as refused:
+        assert answer.status_code != 200, answer.text
+        said = str(refused).removeprefix(f"{path}")
+        assert answer.json()["error"].endswith(said)
         return
-    with pytest.raises(InputError) as refused:
-        surae.inspect(path)
-    assert answer.json()["error"].endswith(str(refused.value).removeprefix(f"{path}"))
+    assert answer.status_code == 200, answer.text
+    lines = [*found.advice, *found.remarks]
+    if not found.roles and not found.open:
+        lines.append(nothing_mapped(found).replace(f"{path}", path.name))
+    assert answer.json()["notes"][: len(lines)] == lines
+
+
+CASES = (
+    *("emg_unit_too_small", "exports_by_name", "force_for_torque", "lines_below_the_numbers"),
+    *("mvc", "no_common_span", "percent_in_another_language", "recordings_in_subfolders"),
+    *("resolution_taken_for_fault", "start_times_of_tdms", "text_taken_for_toml"),
+    *("time_not_recognised", "trials_in_one_file", "two_clocks_drift", "two_rows_of_names"),
+    "unknown_unit_in_heading",
+)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_uploads_of_laboratories_files_give_the_sentences_of_the_command_line(
+    browser, shared, case
+):
+    folder = shared.parent / "cases" / case
+    if not folder.is_dir():
+        pytest.skip("the sixteen inputs are not here")
+    files = [each for each in sorted(folder.rglob("*")) if each.is_file() and each.suffix != ".md"]
+    assert files
+    for path in files:
+        content = path.read_bytes()
+        upload = browser.post("/api/uploads", params={"name": path.name}, content=content)
+        as_the_command_line(browser.get(f"/api/uploads/{upload.json()['id']}/inspect"), path)
+
+
+def test_uploads_that_belong_together_say_what_the_command_line_says(browser, shared):
+    folder = shared.parent / "cases" / "no_common_span"
+    if not folder.is_dir():
+        pytest.skip("the sixteen inputs are not here")
+    paths = [folder / "robot.csv", folder / "emg.csv"]
+    first, second = (
+        browser.post("/api/uploads", params={"name": p.name}, content=p.read_bytes()).json()["id"]
+        for p in paths
+    )
+    answer = browser.get(f"/api/uploads/{first}/inspect", params={"also": [second]})
+    assert answer.status_code == 200, answer.text
+    advice = list(surae.inspect(paths).advice)
+    assert any("share no span" in line for line in advice)
+    assert answer.json()["notes"][: len(advice)] == advice
 
 
 @pytest.mark.parametrize("text", [made.trials(), more.beside("suffix")])

@@ -92,6 +92,15 @@ class Inspection(Tabular, Plain):
             lines.append(f"{who}; correct the file{how}")
         return tuple(lines)
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What reading the channels has shown, a line for what several have alike."""
+        alike: dict[str, list[str]] = {}
+        for channel in self.channels:
+            for remark in filter(None, channel.remark.split("; ")):
+                alike.setdefault(remark, []).append(channel.column)
+        return tuple(f"{some(names, 3)}: {remark}" for remark, names in alike.items())
+
     def as_table(self) -> TextTable:
         """The channels as a table, then what was found and what is left to say.
 
@@ -126,10 +135,6 @@ class Inspection(Tabular, Plain):
         if len(self.formats) > 1:
             heads = ("file", *heads)
             rows = [(shown(c.file), *r) for c, r in zip(self.channels, rows, strict=True)]
-        remarks: dict[str, list[str]] = {}
-        for channel in self.channels:
-            for remark in filter(None, channel.remark.split("; ")):
-                remarks.setdefault(remark, []).append(channel.column)
         below = [
             f"{role} = {channel.column} ({guess.confidence}: {guess.rule})"
             for role, channel in self.roles.items()
@@ -138,8 +143,7 @@ class Inspection(Tabular, Plain):
         below += [f"time = {c.column} in {c.unit} ({c.rule})" for c in self.clocks.values()]
         below += [f"side = {self.side} ({self.side_rule})"] if self.side else []
         below += [f"EMG = {self.emg} ({self.emg_rule})"] if self.emg else []
-        below += [f"- {some(names, 3)}: {remark}" for remark, names in remarks.items()]
-        below += [f"- {line}" for line in self.advice]
+        below += [f"- {line}" for line in (*self.remarks, *self.advice)]
         return TextTable(
             heads,
             tuple(rows),

@@ -149,6 +149,8 @@ def _of_data(names: Sequence[str], ids: Mapping[str, str]) -> dict[str, Any]:
         },
         "notes": [
             *inspection.advice,
+            *inspection.remarks,
+            *([] if inspection.roles or inspection.open else [api.nothing_mapped(inspection)]),
             *aside,
             *(
                 f"this form reads the first of them, {trials.names[0]}; the others by a mapping, "

@@ -27,6 +27,16 @@ _LAST = 253_402_300_799
 #: What a row's own checksum is called in it.
 SEAL = "row_sha256"
 
+#: What stands behind the name of an entry whose row has none.
+NOT_SEALED = " (not sealed: made by an older version)"
+#: What such a row is not believed of, by its kind.
+_UNKNOWN: dict[str, Entry] = {
+    "recording": {"findings": None, "first": None},
+    "fit": {"grade": None, "r2": None, "vaf": None, "ipde": None, "profiles": {}},
+    "session": {"content": {"adequacy": None}},
+}
+_NO_ESTIMATE = {"value": None, "sem": None, "low": None, "high": None, "verdict": "undetermined"}
+
 _Id = Annotated[str, Field(pattern=r"^[0-9a-f]{16}$")]
 _Time = Annotated[float, Field(ge=0, le=_LAST)]
 
@@ -231,7 +241,27 @@ def entry(kind: str, id_: object, created: object, text: object, project: str) -
             api.parse_study(content["toml"])
         except InputError as error:
             raise ValueError(str(error)) from None
+    if seal is None:
+        content = _without_verdicts(kind, content)
     return {**content, "id": id_, "created": created}
+
+
+def _without_verdicts(kind: str, content: Entry) -> Entry:
+    """A row of an older version, or whose checksum was taken off: its verdicts are not believed.
+
+    What is judged is judged anew where its file is opened, whose checksums hold; its name says why
+    lists show none.
+    """
+    unknown = _UNKNOWN.get(kind)
+    if unknown is None:
+        return content
+    bare = {**content, **{key: value for key, value in unknown.items() if key in content}}
+    for key in ("parameters", "measures"):
+        if isinstance(estimates := bare.get(key), dict):
+            bare[key] = dict.fromkeys(estimates, _NO_ESTIMATE)
+    if isinstance(name := bare.get("name"), str) and not name.endswith(NOT_SEALED):
+        bare["name"] = name + NOT_SEALED
+    return bare
 
 
 def plain(text: object) -> Any:
