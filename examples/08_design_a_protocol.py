@@ -31,7 +31,13 @@ for name in (*protocols, "everything-35"):
 # A search begins with what is known to be good and goes on from there; more evaluations buy more.
 # The protocol keeps every limit of the device, and the torque that legs ask of it.
 made = surae.design(
-    20.0, device="achilles", effort="none", aim="passive_stiffness@10deg", evaluations=200, seed=1
+    20.0,
+    model="muscle",
+    device="achilles",
+    effort="none",
+    aim="passive_stiffness@10deg",
+    evaluations=200,
+    seed=1,
 )
 print(*made.notes, sep="\n")
 print({name: f"{100 * error:.2f} %" for name, error in made.aimed.items()})

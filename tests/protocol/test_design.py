@@ -1,12 +1,14 @@
 """Designs keep every limit, tell more than what they began with, and say what cannot be done."""
 
 import csv
+import inspect
 
 import numpy as np
 import pytest
 
 import surae
 from surae.base.errors import InputError
+from surae.base.requests import DesignSettings
 from surae.planning.genes import REST, SHORTEST, Genes, effort_budget
 from surae.planning.legs import population_legs
 from surae.planning.plan import limits_of
@@ -22,8 +24,9 @@ from surae.protocol import (
     write_protocol_target,
 )
 from surae.protocol.effort import effort
+from surae.settings import FitSettings
 
-QUICK = {"evaluations": 20, "rate_hz": 64.0}
+QUICK = {"evaluations": 20, "rate_hz": 64.0, "model": "muscle"}
 
 
 def random_design(seed):
@@ -98,7 +101,7 @@ def test_the_budget_is_that_of_the_thesis_task() -> None:
 
 @pytest.fixture(scope="module")
 def designed():
-    return surae.design(20.0, seed=3, evaluations=200, rate_hz=64.0, aim="mean")
+    return surae.design(20.0, model="muscle", seed=3, evaluations=200, rate_hz=64.0, aim="mean")
 
 
 def test_a_design_tells_more_than_its_beginning(designed) -> None:
@@ -107,6 +110,11 @@ def test_a_design_tells_more_than_its_beginning(designed) -> None:
     # the legs it is judged by are those of an expectation, which the search did not see
     told = surae.expect(designed.trajectory, "muscle", legs=40)
     assert told.worst == pytest.approx(designed.expectation.worst)
+
+
+def test_what_plans_what_expects_and_what_fits_have_one_default() -> None:
+    expected = inspect.signature(surae.expect).parameters["model"].default
+    assert DesignSettings(duration=20.0).model == expected == FitSettings().model == "auto"
 
 
 def test_a_design_is_the_same_again() -> None:
@@ -158,11 +166,11 @@ def test_what_a_device_cannot_do_is_said_with_what_to_give_up() -> None:
 
 @pytest.mark.slow
 def test_a_search_goes_on_from_a_ready_protocol() -> None:
-    made = surae.design(35.0, evaluations=45, rate_hz=64.0)
-    fresh = surae.design(31.0, evaluations=1, rate_hz=64.0)  # no ready one is so short
+    made = surae.design(35.0, **{**QUICK, "evaluations": 45})
+    fresh = surae.design(31.0, **{**QUICK, "evaluations": 1})  # no ready one is so short
     assert made.expectation.worst < 0.8 * fresh.expectation.worst
     # a longer trial repeats what is good in a shorter one
-    longer = surae.design(50.0, evaluations=1, rate_hz=64.0)
+    longer = surae.design(50.0, **{**QUICK, "evaluations": 1})
     assert longer.expectation.geometric_mean < made.expectation.geometric_mean
 
 

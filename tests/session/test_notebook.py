@@ -254,7 +254,7 @@ def test_everything_that_is_given_back_says_in_a_few_lines_what_it_is(fit, trial
         surae.posterior(fit, draws=20, evaluations=600),
         surae.expect("sine", "muscle", legs=3),
         surae.change(fit, leg_again(fit)),
-        surae.design(20.0, evaluations=5),
+        surae.design(20.0, model="muscle", evaluations=5),
         surae.measure_next(fit, angle_range=(-0.9, 0.6)),
     ]
     for answer in answers:

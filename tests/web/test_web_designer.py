@@ -156,6 +156,7 @@ def test_a_protocol_is_designed_in_the_browser(browser) -> None:
         "angle_range": [-0.6, 0.3],
         "rate_hz": 64.0,
         "durations": [10, 12],
+        "model": "muscle",
         "evaluations": 15,
         "aim": "mean",
         "population": "healthy",
@@ -171,6 +172,7 @@ def test_a_protocol_is_designed_in_the_browser(browser) -> None:
     assert not any(limit["exceeded"] for limit in shown["limits"])
     told = surae.design(
         12.0,
+        model="muscle",
         angle_range=(-0.6, 0.3),
         rate_hz=64.0,
         aim="mean",

@@ -101,7 +101,7 @@ class DesignSettings(LegSettings):
         help="What the subject can do.",
     )
     film: str | tuple[str, ...] = _film()
-    model: str = _model("muscle", "Whose parameters are to be known.")
+    model: str = _model(AUTO, "Whose parameters are to be known.")
     duration: float = setting(
         35.0,
         "Of the trial [s], rests at both ends included.",

@@ -7,14 +7,14 @@ import click
 
 from surae import api
 from surae.base.errors import InputError
-from surae.base.files import shown, write_json
+from surae.base.files import write_json
 from surae.base.requests import DesignSettings
 from surae.cli.option_records import as_record
 from surae.cli.options import NUMBER, PICTURE, settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.protocol import device_of, device_options, file_kind
-from surae.cli.screen import show_answer, show_files, show_line
+from surae.cli.screen import show_answer, show_files
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,11 +129,6 @@ def command(
     if figure is not None:
         api.write_figure(figure, api.protocol_figure(design.trajectory))
     show_answer(design.as_table())
-    if "model" not in options and fitted is None and after is None:
-        show_line(
-            "Searched for the muscle model, which is quick; what surae fit, by its default model "
-            f"auto, will know of it: surae expect {shown(output)}"
-        )
     show_files({"protocol": output, "target": target, "figure": figure})
     if design.stopped:
         raise StoppedError("stopped by the user; the best so far is kept")

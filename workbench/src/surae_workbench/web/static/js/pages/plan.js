@@ -232,7 +232,7 @@ attempt(box, async () => {
   replace(byId("device"), option("", _("none")), known.devices.map((one) => option(one.name)));
   replace(byId("population"), known.populations.map((one) => option(one.name ?? one, _(one.name ?? one))));
   replace(byId("model"), known.models.map((one) => option(one.name, _(one.title))));
-  replace(byId("numbers"), numbers().map((one) => field(_(one.label).replace("[rad]", "[°]"), h("input", { id: one.path[0], type: "number", min: one.least === null ? null : entry(one.least, factor(one.label)), max: one.most === null ? null : entry(one.most, factor(one.label)), step: "any", required: !one.optional, placeholder: one.optional && _("own") }))));
+  replace(byId("numbers"), numbers().map((one) => field(_(one.label).replace("[rad]", "[°]"), h("input", { id: one.path[0], type: "number", min: one.least === null ? null : entry(one.least, factor(one.label)), max: one.most === null ? null : entry(one.most, factor(one.label)), step: "any", required: !one.optional, placeholder: one.optional && _("usual") }))));
   fill(JSON.parse(localStorage.getItem(KEPT) ?? "null") ?? known.start);
   const [job] = await active("design");
   if (job) watch(job);

@@ -12,7 +12,7 @@ export function findingsTable(findings, act) {
   return table(
     _("Findings"),
     [_("Severity"), _("Signal"), _("When"), _("What, and what to do"), ...(act ? [h("span", { class: "sr" }, _("Actions"))] : [])],
-    ranked.map((one) => row(one, act)),
+    ranked.map((one) => row(one, act, ranked.some((other) => other.mend && one.channel in other.mend.channels))),
     { class: "findings", caption: many("{n} finding of the check", "{n} findings of the check", findings.length) },
   );
 }
@@ -23,7 +23,7 @@ const timed = (one) => one.start_s !== null && one.start_s !== undefined && one.
 /** Whether it is about a part of the trial: to leave out the whole would mend nothing. */
 export const part = (one, duration) => timed(one) && one.end_s - one.start_s < 0.9 * duration;
 
-function row(one, act) {
+function row(one, act, mends) {
   const what = said({ text: one.message, ...one.said });
   return h(
     "tr",
@@ -32,7 +32,7 @@ function row(one, act) {
     h("td", {}, one.channel ? roleText(one.channel) : "—"),
     h("td", { class: "nowrap" }, timed(one) ? span(one.start_s, one.end_s) : "—"),
     // Where a button does it, nobody has to write a mapping.
-    h("td", {}, what, !one.mend && h("div", { class: "muted small" }, said({ text: one.advice, ...one.advised }))),
+    h("td", {}, what, !mends && h("div", { class: "muted small" }, said({ text: one.advice, ...one.advised }))),
     act &&
       h(
         "td",
