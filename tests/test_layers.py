@@ -251,7 +251,9 @@ def test_the_workbench_is_built_on_the_api() -> None:
         if (
             not module.startswith("surae.base.")
             and module not in allowed
-            and not (source.name.endswith("command.py") and is_for_commands(module, name))
+            and not (
+                source.name.endswith(("command.py", "options.py")) and is_for_commands(module, name)
+            )
         )
         or (module == "surae.api" and name not in surae.api.__all__)
         or (module == "surae" and name != "api")

@@ -4,7 +4,7 @@ import click
 
 from surae import api
 from surae.base.files import make_folder, shown, write_json
-from surae.cli.fit import Outputs, judge_end, show_fitted
+from surae.cli.fit import FitOutputs, judge_end, show_fitted
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice, work
 from surae.cli.screen import show_line
@@ -32,7 +32,7 @@ def command(output: str) -> None:
         trial = api.virtual_trial(subject, api.generate(protocol))
         result = api.fit(trial, progress=progress.starts)
     write_json(true, {"parameters": dict(subject.parameters)})
-    show_fitted(result, Outputs(fitted, report))
+    show_fitted(result, FitOutputs(fitted, report))
     # the subject's tendons are rigid: of how far they stretch there is no true value
     true_values = subject.parameters
     intervals = {n: p.ci95 for n, p in result.parameters.items() if p.ci95 and n in true_values}

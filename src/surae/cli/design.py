@@ -32,7 +32,7 @@ class OneLeg:
 
 
 @dataclass(frozen=True, slots=True)
-class Outputs:
+class DesignOutputs:
     """Files that a design is written to."""
 
     output: str
@@ -68,7 +68,7 @@ class Outputs:
 )
 @as_record(
     "outputs",
-    Outputs,
+    DesignOutputs,
     click.option(
         "--output",
         required=True,
@@ -84,7 +84,7 @@ def command(
     leg: OneLeg,
     device: str,
     without_limits: str | None,
-    outputs: Outputs,
+    outputs: DesignOutputs,
     session: bool,
     minutes: float | None,
     options: dict[str, Any],

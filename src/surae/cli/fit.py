@@ -19,7 +19,7 @@ from surae.cli.screen import show_files, show_fit
 
 
 @dataclass(frozen=True, slots=True)
-class Outputs:
+class FitOutputs:
     """Files that a fit is written to."""
 
     output: str | None  #: The fit itself.
@@ -44,7 +44,7 @@ class Outputs:
 )
 @as_record(
     "outputs",
-    Outputs,
+    FitOutputs,
     click.option("--output", metavar="FIT.json", help="Write the fit."),
     click.option("--report", metavar="REPORT.html", help="Write the report; .pdf makes a PDF."),
     click.option("--figure", type=PICTURE, metavar="F.svg|pdf|png", help="Draw it for a paper."),
@@ -62,7 +62,7 @@ def command(
     options: dict[str, Any],
     mvc: tuple[str, ...],
     strict: bool,
-    outputs: Outputs,
+    outputs: FitOutputs,
     corrections: dict[str, Any],
 ) -> None:
     """Estimate a model's parameters from one recording, or jointly from several.
@@ -128,7 +128,7 @@ def refuse_errors(path: str, quality: "api.Quality") -> None:
         )
 
 
-def show_fitted(fit: "api.Fit", outputs: Outputs) -> None:
+def show_fitted(fit: "api.Fit", outputs: FitOutputs) -> None:
     """Write a fit, then show it: a closed pipe must not cost a result."""
     output, report, figure = outputs.output, outputs.report, outputs.figure
     if output is not None:

@@ -7,6 +7,9 @@ from typing import Any, TypeVar
 
 from surae.base.errors import InputError
 
+#: What commands of other distributions are made of.
+__all__ = ["as_record"]
+
 F = TypeVar("F", bound=Callable[..., Any])
 
 

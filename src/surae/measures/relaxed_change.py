@@ -21,7 +21,7 @@ from surae.inference.relaxed.aligned import (
     SHIFTS,
     SIZES,
     Alignment,
-    Mounting,
+    Remounting,
     laid_pairs,
     quantiles_of,
 )
@@ -116,7 +116,7 @@ def rest_change(
         made = _differences(before, after, pairs, angles)
     else:
         pairs, alignment = laid_pairs(before, after, remounted=remounted)
-        mounting = Mounting.of(before, after, remounted)
+        mounting = Remounting.of(before, after, remounted)
         made = {SIZE: _size(alignment, mounting), **_differences(before, after, pairs, angles)}
         made[SHIFT] = _shift(alignment, mounting)
     return RestChange(FrozenDict(made), _doubt(before, after, pairs), pairs.alike)
@@ -283,7 +283,7 @@ def _towards_none(difference: float, ci95: tuple[float, float]) -> float:
     return max(half / NORMAL, 1e-12)
 
 
-def _size(alignment: Alignment | None, mounting: Mounting) -> RestDifference:
+def _size(alignment: Alignment | None, mounting: Remounting) -> RestDifference:
     """By how much the curve is larger, wherever it lies."""
     bare = RestDifference(
         SIZE,
@@ -304,7 +304,7 @@ def _size(alignment: Alignment | None, mounting: Mounting) -> RestDifference:
     return replace(bare, difference=middle, ci95=(low, high), sd=error)
 
 
-def _shift(alignment: Alignment | None, mounting: Mounting) -> RestDifference:
+def _shift(alignment: Alignment | None, mounting: Remounting) -> RestDifference:
     """By how much the curve lies further towards dorsiflexion; None where the device's is unsure.
 
     A curve that is shifted and one that is weaker look alike but for a toe, a capsule or a

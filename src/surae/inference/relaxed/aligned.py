@@ -53,7 +53,7 @@ class Alignment:
     likelihood: FloatArray  #: Of `SHIFTS` and `SIZES`, shape (41, 37); the largest is 1.
     is_one_form: bool  #: Whether any does, as well as two curves of one form would be laid.
 
-    def sizes(self, mounting: "Mounting") -> FloatArray:
+    def sizes(self, mounting: "Remounting") -> FloatArray:
         """Density over `SIZES`, the shift what `mounting` and slack may make it; its sum is one."""
         slack = math.hypot(mounting.sd, _SHIFT_SD)
         share = (_SHIFTED + _BOTH) / (_NOTHING + _SIZED + _SHIFTED + _BOTH)
@@ -67,7 +67,7 @@ class Alignment:
         made = self.likelihood.sum(axis=1) if sized else self._of_one_size
         return np.asarray(made / made.sum())
 
-    def mountings(self, mounting: "Mounting") -> FloatArray:
+    def mountings(self, mounting: "Remounting") -> FloatArray:
         """Density over `SHIFTS` of how much the second mounting is turned from the first.
 
         p(m) ∝ p₀(m)·Σₕ πₕ·∫∫ L(m + x, a)·pₕ(x)·pₕ(a) over what may have become of the leg: x the
@@ -91,14 +91,14 @@ class Alignment:
 
 
 @dataclass(frozen=True, slots=True)
-class Mounting:
+class Remounting:
     """What is expected of the second visit's mounting beside the first's, without the curves."""
 
     sd: float  #: By how much it is turned [deg], one standard deviation.
     expected: float = 0.0  #: By how much, as the zeros that were stated of both say [deg].
 
     @classmethod
-    def of(cls, before: RelaxedCurve, after: RelaxedCurve, remounted: float) -> "Mounting":
+    def of(cls, before: RelaxedCurve, after: RelaxedCurve, remounted: float) -> "Remounting":
         """Of two visits; `remounted` is of each, where no zero was stated better [deg]."""
         sds = (min(curve.zero_sd, remounted) for curve in (before, after))
         return cls(math.hypot(*sds), before.zero_deg - after.zero_deg)
@@ -125,7 +125,7 @@ def laid_pairs(
     pairs = paired_legs(before, after, remounted=remounted)
     alignment = aligned(before, after, pairs)
     sds = [min(curve.zero_sd, remounted) for curve in (before, after)]
-    mounting = Mounting.of(before, after, remounted)
+    mounting = Remounting.of(before, after, remounted)
     sd = mounting.sd
     if alignment is None or not sd > 0.0:
         return pairs, alignment
