@@ -49,7 +49,7 @@ def test_what_is_asked_beforehand_has_the_full_level() -> None:
     assert [d.name for d in told.measures.values() if d.asked] == [LEADING]
     assert told.measures[LEADING].smallest < 0.75 * told.measures["m3"].smallest
     assert told.sentence.startswith("Torque at the end of the range is more than before, by 4.4 Nm")
-    assert "asked beforehand" in told.multiplicity
+    assert "judged at the full level (Holm’s p-values): 1. Exploratory: 40" in told.multiplicity
     two = compare_sessions(before, after, question=[LEADING, "m3", "m4", "m5", "m6", "m7"])
     assert two.changed == ()  # six questions share the level
     assert two.as_dict()["measures"]["m3"]["asked"] is True

@@ -40,6 +40,13 @@ def test_a_change_is_aimed_at_and_an_unknown_one_is_refused() -> None:
         make_aim("change in torque_ris", legs, (-30.0, 20.0))
 
 
+@pytest.mark.parametrize("name", ["curve_size", "hysteresis", "change in maximal_torque_tri"])
+def test_what_only_a_recording_tells_is_refused_as_such(name) -> None:
+    legs = population_legs("muscle", "healthy", 1)
+    with pytest.raises(InputError, match="it is read from recordings"):
+        make_aim(name, legs, (-30.0, 20.0))
+
+
 def test_slopes_of_a_rise_are_those_of_the_torques_it_is_made_of() -> None:
     legs = population_legs("muscle", "healthy", 1)
     high, low, rise = (

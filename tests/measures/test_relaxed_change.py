@@ -165,6 +165,30 @@ def test_the_command_compares_folders_of_recordings(tmp_path, monkeypatch, capsy
         surae.change(tmp_path / "empty", tmp_path / "after")
 
 
+def test_a_folder_of_recordings_says_what_is_known_of_its_visit(tmp_path) -> None:
+    """A zero that was measured makes what is read at an angle surer; other files are no trials."""
+    for name, ankle, seed in (("before", BEFORE, 0), ("after", SAME, 1)):
+        (tmp_path / name).mkdir()
+        text = "# emg: envelope\n" + measured(ankle, seed).to_dataframe().to_csv(index=False)
+        (tmp_path / name / "trial.csv").write_text(text, encoding="utf-8")
+    places = [tmp_path / "before", tmp_path / "after"]
+    alone = surae.change(*places).measures["slow_torque@10deg"]
+    for place in places:
+        (place / "session.toml").write_text(
+            "[knowledge]\nangle_zero_deg = {value = 0.0, sd = 0.5}\n"
+            '[trials]\n"empty.csv" = "empty device"\n',
+            encoding="utf-8",
+        )
+        empty = measured(Ankle(stiff=0.0, weight=0.0, inertia=0.0), 5).to_dataframe()
+        text = "# emg: envelope\n" + empty.to_csv(index=False)
+        (place / "empty.csv").write_text(text, encoding="utf-8")
+    known = surae.change(*places).measures["slow_torque@10deg"]
+    assert np.ptp(known.ci95) < 0.9 * np.ptp(alone.ci95)
+    (places[0] / "trial.csv").unlink()
+    with pytest.raises(InputError, match=r"session\.toml: no recording of the leg is beside it"):
+        surae.change(*places)
+
+
 def quiet(level, seed=0, beside=0.0):
     """A trial without an effort, in which the soleus shows a steady EMG."""
     time = np.zeros((len(movement()[0]), 4))

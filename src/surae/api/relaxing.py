@@ -278,6 +278,7 @@ def _recording(
     return read_in(given)
 
 
-def inputs_of(given: Sequence[Any]) -> tuple[ModelInputs, ...]:
+def inputs_of(given: Sequence[Any], settings: FitSettings | None = None) -> tuple[ModelInputs, ...]:
     """Recordings of a visit, prepared as for a fit."""
-    return FitSettings.of().inputs(parted([_recording(each, None, {}) for each in given]))
+    settings = settings or FitSettings.of()
+    return settings.inputs(parted([_recording(each, None, {}) for each in given]))

@@ -16,15 +16,20 @@ from surae.base.frozen import FrozenDict
 from surae.base.records import from_plain
 from surae.inference import Adequacy, Grade
 from surae.inference.relaxed.build import curve_of
-from surae.inference.relaxed.context import UNKNOWN
+from surae.inference.relaxed.context import UNKNOWN, Laboratory
 from surae.inference.relaxed.curve import RelaxedCurve
 from surae.measures.at_rest import relaxed_of
 from surae.measures.compared import Quantities, quantities
+from surae.model.knowledge_file import SESSION_TOML, known_from, read_session_toml
+from surae.recording.described import EMPTY
 from surae.recording.reading import data_files_below, is_recording
+from surae.settings import FitSettings
 from surae.signals import ModelInputs
 from surae.trials import Effort, efforts_of, is_named_maximal
 from surae.trials.folder import INDEX, JOINT, fit_in, index_of, require_own
 
+#: What a session calls trials of which strength is read.
+_MAXIMAL = "maximal"
 #: A visit that is compared: a fit, its file, the folder of a session; or recordings, their folder.
 Visited = Fit | AnyRecording | Sequence[AnyRecording]
 
@@ -37,6 +42,7 @@ class Side:
     inputs: tuple[ModelInputs, ...]
     #: Of its trials of maximal effort; a session says which they are, else their names do.
     efforts: tuple[Effort, ...] = ()
+    laboratory: Laboratory = UNKNOWN  #: What is known of zero and plate, where there is no fit.
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -47,7 +53,11 @@ class Side:
         """The relaxed curve of its rest; None where there is none."""
         if any(each.torque is None for each in self.inputs):
             return None
-        made = curve_of(self.inputs, UNKNOWN) if self.fit is None else relaxed_of(self.fit.result)
+        made = (
+            curve_of(self.inputs, self.laboratory)
+            if self.fit is None
+            else relaxed_of(self.fit.result)
+        )
         return made if isinstance(made, RelaxedCurve) else None
 
     def quantities(self, angles: Sequence[float], end: float) -> Quantities:
@@ -90,9 +100,26 @@ def _at(place: Path) -> Side:
     files = [place]
     if place.is_dir():
         files = [each for each in data_files_below(place) if is_recording(each)]
+    told = place / SESSION_TOML
+    files = [each for each in files if each != told]
     if not files:
         raise InputError(f"{shown(place)}: neither a session nor recordings are in this folder")
-    return _of_inputs(inputs_of(files))
+    return _of_folder(told, files) if told.is_file() else _of_inputs(inputs_of(files))
+
+
+def _of_folder(told: Path, files: Sequence[Path]) -> Side:
+    """A visit by its recordings and its `session.toml`: what is known of it, and of each trial."""
+    said = read_session_toml(told)
+    aside = {path.name for path in said.aside} | {Path(said.plate or "").name}
+    aside |= {Path(file).name for file, kind in said.trials.items() if kind == EMPTY}
+    trials = [each for each in files if each.name not in aside]
+    if not trials:
+        raise InputError(f"{shown(told)}: no recording of the leg is beside it")
+    settings = FitSettings.of(knowledge=known_from(said))
+    side = _of_inputs(inputs_of(trials, settings))
+    stated = {Path(file).stem for file, kind in said.trials.items() if kind == _MAXIMAL}
+    maximal = [each for each in side.inputs if each.name in stated or is_named_maximal(each.name)]
+    return replace(side, efforts=efforts_of(maximal), laboratory=Laboratory.of(settings))
 
 
 def _efforts_in(folder: Path) -> tuple[Effort, ...]:

@@ -243,6 +243,6 @@ class ChangeSettings(Request):
         'the full level; all else is exploratory. ``"strength"`` is that of both muscle groups.',
         option="question",
         metavar="NAME",
-        help="What was in question beforehand: torque_rise, slow_stiffness@10deg, strength …; may "
+        help="What was in question beforehand: curve_size, torque_rise, strength …; may "
         "be repeated. All else is exploratory.",
     )

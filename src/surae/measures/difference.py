@@ -45,7 +45,8 @@ class Difference:
     #: `from_deg`, `to_deg`: as of `Measure`.
     from_deg: float | None = None
     to_deg: float | None = None
-    #: Of a measure at a stated angle that rest tells: at the angle that the device shows.
+    #: Of a measure at a stated angle that rest tells: of what differs at one angle of the device,
+    #: how the foot is mounted in it.
     ci95_device: tuple[float, float] | None = None
     asked: bool = False  #: Whether it was asked beforehand.
     #: ``"rest"``: read from rest, or from maximal efforts less the rest before them, no muscles'

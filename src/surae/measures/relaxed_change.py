@@ -64,11 +64,13 @@ class RestDifference:
     name: str
     unit: str
     meaning: str
-    before: float | None
+    before: float | None  #: By the device, as of its visit.
+    #: At the same angles of the ankle, as both curves tell the mounting: before and `difference`.
     after: float | None
     difference: float | None  #: After minus before; None where it cannot be compared.
     ci95: tuple[float, float] | None  #: Of the difference, at the ankle's own angle.
-    #: The same at the angle that the device shows; None of what is at no stated angle.
+    #: Of what differs at one angle of the device, which an unchanged leg that is mounted otherwise
+    #: does too: it need not hold `difference`. None of what is at no stated angle.
     ci95_device: tuple[float, float] | None
     sd: float | None  #: Of the difference, towards none: of a normal distribution with its p.
     missing: str = ""  #: Why there is none.

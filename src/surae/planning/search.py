@@ -21,6 +21,7 @@ from surae.base.units import FloatArray
 from surae.inference.interrupt import checkpoint, postponed_interrupt
 from surae.inference.relaxed.pair import REMOUNTED
 from surae.measures import measures_of_values
+from surae.measures.plain import PLAIN
 from surae.planning.genes import Genes
 from surae.planning.information import information
 from surae.planning.legs import Legs
@@ -181,6 +182,11 @@ def _measured(
             made.append(told[stated.get(name, name)])
         else:
             every = measures_of_values(parameters, legs.spec.name, legs.options, angles)
+            if name.partition("@")[0] in PLAIN:
+                raise InputError(
+                    f"--aim {name}: it is read from recordings, or of another model, so that no "
+                    "plan tells it beforehand; aim at torque_rise or end_stiffness"
+                )
             known = ", ".join(dict.fromkeys((*legs.leg_parameters, *ends, *every)))
             raise InputError(f"--aim {name}: no such parameter or measure; known: {known}")
     return np.array(made)

@@ -34,6 +34,8 @@ _FEWEST = 7
 _DIFFERS = 0.012
 _ALIKE = 8.0
 _ROUGH = 0.003
+#: A curve counts as rising by so many Nm at least.
+_FLAT = 0.01
 #: Probability below which two curves are of no one form, so that neither size nor shift is told.
 _UNLIKE = 0.01
 #: What may have become of a leg: probabilities that nothing has, that its size has, that the curve
@@ -201,7 +203,7 @@ def _beyond(degrees: FloatArray, free: FloatArray, rise: float) -> FloatArray:
     """Covariance of what visits differ in beyond the equations [Nm²], along `free`."""
     apart = (degrees[:, None] - degrees[None, :]) / _ALIKE
     differs = _DIFFERS**2 * np.exp(-0.5 * apart**2) + _ROUGH**2 * np.eye(len(degrees))
-    return np.asarray(rise**2 * free @ differs @ free.T)
+    return np.asarray(max(rise, _FLAT) ** 2 * free @ differs @ free.T)
 
 
 def _normal(at: FloatArray, sd: float, step: float = _DEGREES) -> FloatArray:
