@@ -326,6 +326,30 @@ def test_holds_of_several_trials_tell_with_one_zero() -> None:
     assert sd < 1.5
 
 
+def holding(*degrees):
+    """The relaxed ankle held at angles, a trial each."""
+    time = np.arange(20 * 64) / 64.0
+    return [
+        measured(Ankle(noise=0.05), k, moved=(time, np.full(len(time), at)), name=f"at {at:g}")
+        for k, at in enumerate(degrees)
+    ]
+
+
+def test_one_hold_tells_nothing_of_a_curve() -> None:
+    found = surae.relaxed(holding(5.0))
+    assert {m.value for m in found.measures.values()} == {None}
+    assert {m.note.code for m in found.measures.values()} == {"none/rest-one"}
+
+
+def test_holds_alone_tell_a_slope_and_nothing_that_relaxes() -> None:
+    ankle = Ankle()
+    m = surae.relaxed(holding(-5.0, 5.0, 15.0)).measures
+    assert holds(m["end_stiffness"], (ankle.torque(15.0) - ankle.torque(5.0)) / 10.0)
+    assert holds(m["torque_rise"], ankle.torque(15.0) - ankle.torque(-5.0))
+    for name in ("relaxed_share@10s", "hysteresis"):
+        assert m[name].note.code == "none/rest-still"
+
+
 def test_trials_with_zeros_of_their_own_are_said() -> None:
     one = measured(name="one")
     other = measured(Ankle(zero=-3.0), seed=3, name="other")

@@ -15,7 +15,7 @@ OF_ANGLES = ("passive_torque", "passive_stiffness", "slow_torque", "slow_stiffne
 #: found and taken off, so that it does not.
 SAID = {
     ("ri", 502): ("relaxed/step", False),  # the torque's zero steps in mid-trial
-    ("rj", 502): ("relaxed/reflex", True),  # a reflex in fast stretches
+    ("rj", 501): ("relaxed/reflex", True),  # a reflex in fast stretches
     ("rn", 502): ("relaxed/plate", True),  # a plate that nobody took off
     ("rl-11", 502): ("relaxed/plate", True),  # such a plate, which gives way too
     ("rf", 502): ("relaxed/reflex", True),  # tissue that softens and holds after rest
@@ -26,6 +26,7 @@ WITHIN = {
     ("rm", 501): "a seat that is tilted and not stated",
     ("rd", 502): "a capsule",
     ("rb", 502): "a toe",
+    ("rj", 502): "a small reflex of which electrodes show a part",
     ("rh", 502): "a heel that lifts",
     ("rl-6", 501): "a person who lets go slowly",
     ("rl-1", 501): "a foot that creeps in its straps",

@@ -136,6 +136,13 @@ class RelaxedCurve(Comparable):
         """Seconds of rest."""
         return sum(trial.seconds for trial in self.trials)
 
+    @property
+    def is_still(self) -> bool:
+        """Whether the ankle is held wherever it rests, so that nothing is seen to relax."""
+        samples = self.samples
+        moves = np.abs(samples.velocity) > _MOVES
+        return bool(samples.seconds * np.count_nonzero(moves) < _IN_EACH)
+
     def passed(self, degrees: float, *, held: bool = False) -> bool:
         """Whether rest moved past an angle well enough; holds count if `held`."""
         samples = self.samples

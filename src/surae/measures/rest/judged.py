@@ -17,7 +17,7 @@ from surae.measures.measure import Measure
 from surae.measures.rest.at_angles import at_angles
 from surae.measures.rest.at_torques import REACHING, at_torques
 from surae.measures.rest.draft import Draft
-from surae.measures.rest.of_range import over_range
+from surae.measures.rest.of_range import REACHES, over_range
 from surae.measures.rest.of_time import over_time
 
 #: Ends of 95 % and the middle.
@@ -55,13 +55,28 @@ def rated_measures(
     """The same with what comparisons need; the range ends at `end` by the device [deg]."""
     legs = curve.draws()
     moved = (curve.moved[0], min(curve.moved[1], end))
-    asked = [
+    asked = _drafts(curve, legs, angles, moved)
+    return tuple(_measure(each, curve, legs) for each in asked)
+
+
+def _drafts(
+    curve: RelaxedCurve,
+    legs: PossibleLegs,
+    angles: Sequence[float],
+    moved: tuple[float, float],
+    turned: FloatArray | None = None,
+) -> tuple[Draft, ...]:
+    """Every measure, not judged; `turned` is as of `over_range`."""
+    asked = (
         *at_angles(curve, legs, angles),
-        *over_range(curve, legs, moved),
+        *over_range(curve, legs, moved, turned),
         *at_torques(curve, legs),
         *over_time(curve, legs, moved),
-    ]
-    return tuple(_measure(each, curve, legs) for each in asked)
+    )
+    if curve.high - curve.low >= REACHES:
+        return asked
+    why = Message("none/rest-one", degrees=curve.high)
+    return tuple(replace(each, device=None, ankle=None, missing=why) for each in asked)
 
 
 def _quantiles(values: FloatArray, share: FloatArray) -> tuple[float, float, float]:
@@ -138,9 +153,4 @@ def values_of_rest(
     The range is the device's, through which a leg that is mounted anew moves otherwise, so that the
     whole of its zero is in what is over that range.
     """
-    return (
-        *at_angles(curve, legs, angles),
-        *over_range(curve, legs, curve.moved, legs.zero),
-        *at_torques(curve, legs),
-        *over_time(curve, legs, curve.moved),
-    )
+    return _drafts(curve, legs, angles, curve.moved, legs.zero)

@@ -40,7 +40,7 @@ def over_time(
     share = 100.0 * (legs.gamma @ gone) / (1.0 + legs.gamma.sum(axis=1))
     power = _SHARE_LEFT_OUT / LEFT_OUT
     share = share * legs.scale**power
-    yield Draft(
+    relaxes = Draft(
         f"relaxed_share@{_RELAXED:g}s",
         "%",
         "Part of a sudden stretch's torque that has relaxed after some seconds.",
@@ -55,6 +55,12 @@ def over_time(
         "dorsiflexion that was moved and back, at 5°/s, as a part of the work of the way there.",
         span=(SLOW_FROM, moved[1]),
     )
+    if curve.is_still:
+        why = Message("none/rest-still")
+        yield replace(relaxes, device=None, ankle=None, missing=why)
+        yield replace(loop, missing=why)
+        return
+    yield relaxes
     low, high = moved
     if curve.high < high - REACHES or high < SLOW_FROM + ON_ITS_WAY:
         why = Message("none/rest-short", low=curve.low, high=curve.high, first=low, last=high)
