@@ -3,12 +3,11 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-import pandas as pd
 import pytest
 
 import surae
 from ankle_legs.leg import Departure
-from ankle_legs.make import leg
+from ankle_legs.make import leg, write_csv
 from richer_legs import richer_leg
 from surae.inference import make_problem
 from surae.inference.posterior.empirical_bayes import BEGIN
@@ -57,10 +56,10 @@ class Heads(Departure):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [3451, 3452])
-def test_intervals_of_weights_hold_where_heads_have_other_optima(seed) -> None:
+def test_intervals_of_weights_hold_where_heads_have_other_optima(seed, tmp_path) -> None:
     own = replace(leg("ve", seed), departures=(Heads(),))
-    run = own.record(1)
-    fit = surae.fit(pd.DataFrame(own.columns(run, 1)), quality=())
+    write_csv(tmp_path / "trial.csv", own.columns(own.record(1), 1), "# emg: envelope\n")
+    fit = surae.fit(tmp_path / "trial.csv", quality=())
     for name in WEIGHTS:
         low, high = fit[name].ci95
         assert low <= own.subject.values[name] <= high, name

@@ -18,8 +18,12 @@ _SHOWN = 0.005
 _WORTH = 0.25
 #: A remedy is worth a sentence where the interval shrinks to less than this part.
 _SHRINKS = 0.8
-#: Muscles that may be filmed, and what sentences call them.
-_MUSCLES = {"tib": "tibialis", "tib2": "tibialis at a second place", "gm": "gastrocnemius"}
+#: Muscles that may be filmed, and how sentences ask for it.
+_MUSCLES = {
+    "tib": "film the tibialis",
+    "tib2": "film a second place of the tibialis",
+    "gm": "film the gastrocnemius",
+}
 #: Parameters that are named with one remedy.
 _NAMED = 4
 
@@ -130,7 +134,7 @@ def what_would_help(fit: AssessedFit) -> tuple[str, ...]:
         if filmed is not None:
             parts = np.sqrt(np.diag(filmed) / np.diag(known.covariance(*result.problem.free)))
             for name, part in zip(result.problem.free, parts.tolist(), strict=True):
-                note(worded(f"film the {words}"), name, part)
+                note(worded(words), name, part)
     narrowed = {remedy: sorted(by_name.values()) for remedy, by_name in gains.items()}
     ranked = sorted(narrowed, key=lambda remedy: -sum(1.0 - part for part, _ in narrowed[remedy]))
     return tuple(_sentence(remedy, narrowed[remedy]) for remedy in ranked)
