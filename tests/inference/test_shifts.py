@@ -160,6 +160,8 @@ def test_neither_of_a_filters_two_goes_farther_than_it_may_by_itself() -> None:
     wide = dynamics(post, 100.0 * tied, 1.1, unheard=False)  # what is unsure anyway goes as far
     assert np.abs(wide[:, 0]).max() > 0.05
     assert np.all(np.abs(wide) <= np.maximum(0.05, 10.0 * sd))
+    late = SimpleNamespace(names=("f0", "release", "beta"), problem=post.problem)
+    assert np.abs(dynamics(late, tied, 1.1, unheard=False)[:, 0]).max() > 0.1  # f0 is 37 % off then
 
 
 def test_what_is_known_well_follows_another_filter_no_farther_than_it_is_unsure() -> None:

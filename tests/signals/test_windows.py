@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from surae import api
+from surae.base.errors import InputError
 from surae.recording import Channel, Recording
 from surae.settings import FitSettings
 from surae.signals import ModelInputs, inputs_as_given
@@ -114,6 +115,21 @@ def test_a_fit_names_its_windows() -> None:
     assert inputs.counted / inputs.rate_hz == pytest.approx(ONE[0], abs=1.0)
     assert are_windows(inputs)
     assert not are_windows(api.inputs_for(FitSettings.of("muscle"), [long(20.0, rate=200.0)])[0])
+
+
+def test_a_stretch_between_windows_may_be_left_out() -> None:
+    """It is in the recording, wherever its windows lie; a stretch outside of it is an error."""
+    recording = long(ONE[0] + 600.0, rate=200.0)
+    (plain,) = api.inputs_for(FitSettings.of("muscle"), [recording])
+    first, second = plain.name.split(", ")[1:3]
+    gap = float(first.split()[-1]) + 20.0
+    assert gap + 20.0 < float(second.split()[0])
+    inside = api.Weighting(windows=((gap - 40.0, gap - 30.0, 0.0), (gap, gap + 5.0, 0.0)))
+    (less,) = api.inputs_for(FitSettings.of("muscle", weights=inside), [recording])
+    assert less.counted == pytest.approx(plain.counted - 10.0 * plain.rate_hz, abs=2)
+    outside = api.Weighting(windows=((1e5, 1.1e5, 0.0),))
+    with pytest.raises(InputError, match="holds no sample"):
+        api.inputs_for(FitSettings.of("muscle", weights=outside), [recording])
 
 
 def with_gap(begin, end, *roles):

@@ -143,11 +143,35 @@ def inputs_for(
     try:
         return prepared_parts(
             recordings,
-            lambda parts: settings.inputs(parts, mvc),
+            lambda parts: _met(settings, recordings, parts).inputs(parts, mvc),
             family=settings.model == AUTO,
         )
     except InputError as error:
         raise explained(error, recordings) from None
+
+
+def _met(
+    settings: FitSettings,
+    recordings: Sequence[Recording | ModelInputs],
+    parts: Sequence[Recording | ModelInputs],
+) -> FitSettings:
+    """The settings without what is asked of stretches between windows of long recordings."""
+    weights = settings.weights
+    if not isinstance(weights, Weighting) or len(parts) == len(recordings):
+        return settings
+
+    def in_any(stretch: tuple[float, float, float], of: Sequence[Recording | ModelInputs]) -> bool:
+        return any(stretch[0] <= last and stretch[1] >= first for first, last in map(_span, of))
+
+    met = tuple(w for w in weights.windows if in_any(w, parts) or not in_any(w, recordings))
+    return replace(settings, weights=replace(weights, windows=met))
+
+
+def _span(recording: Recording | ModelInputs) -> tuple[float, float]:
+    """First and last time [s]."""
+    if isinstance(recording, Recording):
+        return recording.shared
+    return float(recording.time[0]), float(recording.time[-1])
 
 
 def fit_inputs(

@@ -117,8 +117,9 @@ def dynamics(posterior: LogPosterior, V: FloatArray, beta: float, *, unheard: bo
 
     No residual tells that from another filter; the other values follow along their valleys, of what
     electrodes hear as far as no residual tells: two standard deviations of what is moved, one of
-    their own. f0 and β may both be moved and their bandwidth not, which has a shift of its own; of
-    the two that follow it, or one another, neither goes farther than it may by itself.
+    their own. f0 and β may both be moved and their bandwidth not, which has a shift of its own.
+    Where nothing says that force falls later than it rises, neither of the two follows it, or the
+    other, farther than it may go by itself.
     """
     size = _UNHEARD if unheard else ORDER
     if "release" in posterior.names and not posterior.problem.has_unheard:  # else the same twice
@@ -132,7 +133,7 @@ def dynamics(posterior: LogPosterior, V: FloatArray, beta: float, *, unheard: bo
     moved = np.zeros((len(ways), len(V)))
     sd = np.sqrt(np.diag(V))
     most = np.inf if unheard else sd
-    farthest = np.inf if unheard else np.maximum(size, sd[at])
+    farthest = np.inf if unheard or size == _RELEASED else np.maximum(size, sd[at])
     for row, way in zip(moved, ways, strict=True):
         along = V @ way
         variance = float(way @ V @ way)
