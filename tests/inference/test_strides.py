@@ -3,12 +3,26 @@
 import pytest
 
 import surae
+from surae.inference.judging.baselines import baselines
+from surae.signals import led_in
 
 
 @pytest.fixture(scope="module")
 def strides(shared) -> list[surae.Recording]:
     """Six strides of a walking adult, some 1.1 s each."""
     return [surae.read(path) for path in sorted((shared / "strides").glob("adult_*.csv"))]
+
+
+def test_what_stands_before_a_stride_moves_no_phase(strides) -> None:
+    """The mean torque of other strides at the same phase is the same with a lead-in and without."""
+    plain = [surae.prepare(each) for each in strides]
+    led = [led_in(each) for each in plain]
+    assert [each.lead_in for each in led] == pytest.approx([0.7] * 6, abs=0.01)
+    as_they_are = baselines(plain[1:], plain[0]).template
+    assert as_they_are is not None
+    assert as_they_are > 98.0
+    for others, own in ((led[1:], plain[0]), (led[1:], led[0]), (plain[1:], led[0])):
+        assert baselines(others, own).template == pytest.approx(as_they_are, abs=1e-9)
 
 
 @pytest.mark.slow

@@ -52,7 +52,9 @@ class SmoothEffort(Comparable):
     smooth_rate: FloatArray  #: That of the smooth ones [per second].
 
 
-@filed(n="n", sparse=("films", "second", "own_envelopes", "rectified", "emg_lost", "effort"))
+@filed(
+    n="n", sparse=("films", "second", "own_envelopes", "rectified", "emg_lost", "effort", "lead_in")
+)
 @dataclass(frozen=True, slots=True, eq=False)
 class ModelInputs(Comparable):
     """Prepared signals of one recording, arrays read-only and of shape (n,) unless stated."""
@@ -98,6 +100,8 @@ class ModelInputs(Comparable):
     emg_lost: float = 0.0
     #: Its effort as a causal filter knows it; None: by `smooth_effort`, which looks ahead.
     effort: SmoothEffort | None = None
+    #: Time [s] at its begin that stands for what was before it, see `surae.signals.lead_in`.
+    lead_in: float = 0.0
 
     def columns(self) -> dict[str, FloatArray]:
         """The signals under the names that our CSV gives them, time first."""

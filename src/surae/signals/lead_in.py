@@ -54,7 +54,8 @@ def led_in(recording: ModelInputs) -> ModelInputs:
         torque=None if recording.torque is None else longer(recording.torque),
         second=tuple(map(longer, recording.second)),
         weight=read_only(weights),
-        steps=(*recording.steps, Message("made/led-in", seconds=count / recording.rate_hz)),
+        lead_in=(lasts := count / recording.rate_hz),
+        steps=(*recording.steps, Message("made/led-in", seconds=lasts)),
     )
 
 

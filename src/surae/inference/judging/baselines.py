@@ -91,6 +91,7 @@ def template_torque(others: Sequence[ModelInputs], recording: ModelInputs) -> Fl
         phases = [phase_of(each) for each in others]
         if own is None or any(phase is None for phase in phases):
             continue
+        own = np.where(own < 0.0, own + 1.0, own)  # what stands before is its own end
         angle, torque = (
             _mean_at(own, phases, [getattr(each, name) for each in others])
             for name in ("angle", "torque")
@@ -107,8 +108,8 @@ _POINTS = 201
 
 
 def _of_whole(recording: ModelInputs) -> FloatArray | None:
-    """Time as a part of the recording, 0 … 1, shape (n,)."""
-    time = recording.time - recording.time[0]
+    """Time as a part of the recording, 0 … 1, shape (n,); below 0 in what stands before it."""
+    time = recording.time - recording.time[0] - recording.lead_in
     return np.asarray(time / max(float(time[-1]), 1e-12))
 
 
