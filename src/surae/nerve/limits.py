@@ -26,12 +26,12 @@ TIMES = 3.0
 DIGITS = 2e-3
 #: Parts of the time that the torque may be at a limit, one after the other.
 PARTS = (0.005, 0.01, 0.02, 0.04)
-#: The z of what is beyond a limit from which there is one, and the least part of it that is gone:
-#: all of it where the level is right.
+#: The z of what is beyond a limit from which there is one; and where the torque jumps between
+#: samples: peaks at unknown times look like a limit (of two clean legs that were called so, at most
+#: 7.7).
 CLEAR = 5.0
-#: The same z where the torque jumps between samples: unknown times of its peaks look like a limit (of
-#: two clean legs of `ankle-legs` that were called limited, 7.7 at most).
 CLEAR_OF_JUMPS = 9.0
+#: The least part of what is beyond that is gone: all of it where the level is right.
 GONE = 0.6
 #: Rounds in which the torque beyond is made up by what is estimated of the leg.
 ROUNDS = 4
