@@ -69,13 +69,13 @@ def test_no_steps_are_claimed_of_a_position_that_has_none(levels, filtered, seed
 def test_fine_steps_are_not_called_coarse(seed) -> None:
     for angle in (in_steps(moved("any", seed), 0.01), smooth(in_steps(moved("any", seed), 0.01))):
         step, note = steps_of(angle, RATE)
-        assert step == 0.0
+        assert not step > 0.0
         assert note is None or "exactly still" in str(note)
 
 
 def test_two_levels_do_not_show_their_steps_but_that_they_are_no_sensors() -> None:
     step, note = steps_of(smooth(in_steps(moved("two", 1), 0.2)), RATE)
-    assert step == 0.0
+    assert np.isnan(step)
     assert "exactly still" in str(note)
 
 
@@ -122,9 +122,23 @@ def test_numbers_that_coarse_steps_would_change_are_not_told(family, seed) -> No
     )
     found = told_of(coarse)
     assert any("before it was smoothed" in note for note in found.notes)
+    assert found.reflex.verdict == "cannot tell"
     for measure in found.measures.values():
         assert measure.value is None
         assert "steps are too coarse" in measure.note
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("family", "seed"), [("qb", 1), ("qj", 1)])
+def test_steps_of_unknown_size_let_no_stiffness_be_identified(family, seed) -> None:
+    time, angle, torque, true = record(family, seed)
+    coarse = smooth(in_steps(angle, 0.2))
+    found = told_of(Recording.from_arrays(time, coarse, smooth(torque), name="two levels"))
+    assert any("exactly still" in note for note in found.notes)
+    stiffness = found.measures["intrinsic_stiffness"]
+    low, high = stiffness.ci95
+    assert low <= true["intrinsic_stiffness"] <= high
+    assert stiffness.verdict != "identified"
 
 
 @pytest.mark.slow

@@ -26,9 +26,12 @@ TIMES = 3.0
 DIGITS = 2e-3
 #: Parts of the time that the torque may be at a limit, one after the other.
 PARTS = (0.005, 0.01, 0.02, 0.04)
-#: The z of what is beyond a limit from which there is one, and the least part of it that is gone:
-#: all of it where the level is right.
+#: The z of what is beyond a limit from which there is one; and where the torque jumps between
+#: samples: peaks at unknown times look like a limit (of two clean legs that were called so, at most
+#: 7.7).
 CLEAR = 5.0
+CLEAR_OF_JUMPS = 9.0
+#: The least part of what is beyond that is gone: all of it where the level is right.
 GONE = 0.6
 #: Rounds in which the torque beyond is made up by what is estimated of the leg.
 ROUNDS = 4
@@ -86,7 +89,8 @@ def _limit(
 ) -> Iterator[TorqueLimit]:
     """The limit at one end that describes the torque best, if one does clearly."""
     torque = np.concatenate([sign * piece.signals(piece.torque) for piece in problem.pieces])
-    best = 0.0
+    jumps = any(np.any(piece.jumps) for piece in problem.pieces)
+    best = CLEAR_OF_JUMPS if jumps else CLEAR
     found = None
     for part in PARTS:
         end = TorqueLimit(sign, float(np.quantile(torque, 1.0 - part)))
@@ -94,7 +98,7 @@ def _limit(
         if not np.any(missing):
             continue
         z, size = _weighed(np.vstack([rows, missing]), residual)
-        if z > max(best, CLEAR) and size > GONE:
+        if z > best and size > GONE:
             best = z
             found = end
     if found is not None:

@@ -78,7 +78,7 @@ class Samples:
     spans: tuple[slice, ...]  #: Pieces that are used.
     notes: tuple[str, ...]  #: What was left out or is to be known, a sentence each.
     one_sided: bool = False  #: Whether it is fast in one direction only.
-    step: float = 0.0  #: Of the position's sensor [rad], where it is coarse.
+    step: float = 0.0  #: Of the position's sensor [rad], where it is coarse; NaN: unknown.
 
     @property
     def seconds(self) -> float:
@@ -227,8 +227,8 @@ def usable(where: str, time: FloatArray, angle: FloatArray, torque: FloatArray) 
 def _movement(where: str, angle: FloatArray, rate: float) -> tuple[list[str], bool, float]:
     """Look at the movement: fast enough, by whom, in both directions, finely enough measured.
 
-    What to know of it, a sentence each, whether it is fast in one direction only, and its steps
-    [rad] where they are coarse.
+    What to know of it, a sentence each, whether it is fast in one direction only, and its step
+    [rad] where it is coarse, NaN where its size does not show.
     """
     smooth = _mean(angle, max(round(SEEN_OVER * rate), 1))
     size = min(round(GOES_ON * rate), len(smooth))

@@ -28,10 +28,11 @@ OFF = 0.04
 
 
 def steps_of(angle: FloatArray, rate_hz: float) -> tuple[float, Message | None]:
-    """The step of a position that is coarse [rad], 0 where none is seen; and what to know of it.
+    """The step of a position that is coarse [rad], and what to know of it.
 
-    As recorded, most samples repeat the one before. Smoothed, the position stands between
-    movements without noise, and all levels at which it does lie on one lattice.
+    It is 0 where none is seen, NaN where there is one whose size does not show. As recorded, most
+    samples repeat the one before. Smoothed, the position stands between movements without noise,
+    and all levels at which it does lie on one lattice.
     """
     changes = np.abs(np.diff(angle))
     moving = changes[changes > 1e-9]
@@ -57,10 +58,10 @@ def steps_of(angle: FloatArray, rate_hz: float) -> tuple[float, Message | None]:
     if np.mean(exact) > MOSTLY and step < SEEN * extent and len(levels) < LEVELS:
         text = N_(
             "The position stands exactly still between movements: it came in steps and was "
-            "smoothed, or is not a measured one. The steps’ size does not show: above a twentieth "
-            "of the movement they would make all numbers wrong."
+            "smoothed, or is not a measured one. The steps’ size does not show, so that numbers "
+            "are less sure: give the position as it was recorded."
         )
-        return 0.0, Message(text)
+        return np.nan, Message(text)
     return 0.0, None
 
 
