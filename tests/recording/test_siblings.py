@@ -290,6 +290,12 @@ def test_units_of_more_languages_say_what_a_column_may_be(file, angle, torque):
     assert "add its file" not in " ".join(found.advice)
 
 
+def test_accelerometers_and_gyroscopes_are_no_angle_or_torque(file):
+    names = ("time_s", *(f"emg_{m.lower()}_mV" for m in MUSCLES), "ACC.X (g)", "GYRO.X (deg/s)")
+    path = file(text(names, (TIME, EMG, ANGLE, TORQUE)))
+    assert "angle and torque are missing: as a recording of maximum contractions" in said(path)
+
+
 # Below the numbers.
 
 

@@ -7,12 +7,14 @@ import numpy as np
 from surae.base.files import shown
 from surae.base.formatting import listed
 from surae.recording.inspected_channels import InspectedChannel, Inspection
-from surae.recording.roles import unit_is_volts
+from surae.recording.roles import unit_is_volts, unit_kind
 from surae.recording.source import open_source
 from surae.recording.table import Clock, some
 from surae.recording.trials import TrialsInFile
 from surae.recording.unknown import export_of
 
+#: Units of accelerometers, gyroscopes and thermometers, which are no angle and no torque.
+_OTHER_UNITS = ("other", "angular_velocity", "angular_acceleration")
 #: What is remarked of a column that does.
 COUNTS = "counts the samples"
 
@@ -115,6 +117,7 @@ def could_be(channel: InspectedChannel) -> bool:
     """Whether a channel that has no role may be an angle or a torque."""
     no = ("not the ankle", COUNTS, "force plate")
     free = channel.guess is None and channel.alive and channel.usable
+    free = free and unit_kind(channel.unit) not in _OTHER_UNITS
     return free and not any(text in channel.remark for text in no)
 
 

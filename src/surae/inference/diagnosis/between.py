@@ -35,6 +35,9 @@ _FARTHEST = 0.6
 #: It must leave so many times less, and explain so much more of the torque's changes.
 _BETTER = 1.1
 _VISIBLE = 0.005
+#: Longer recordings [s] are looked at for the EMG's clock alone: windows of hours are so long, and
+#: of eight each would take as long as all other checks.
+_LONGEST = 280.0
 #: What a fit must explain with it.
 _EXPLAINS = 0.9
 
@@ -64,6 +67,8 @@ def may_be_apart(recording: Recording) -> tuple[Stream, ...]:
         if role in recording.channels
     }
     same = [pair for pair in combinations(axes, 2) if np.array_equal(axes[pair[0]], axes[pair[1]])]
+    if recording.shared[1] - recording.shared[0] > _LONGEST:
+        return tuple(stream for stream in axes if stream == "emg")
     if len(axes) < len(streams) or len(same) != 1:
         return tuple(stream for stream in streams if stream in axes)
     return tuple(stream for stream in streams if stream not in same[0])

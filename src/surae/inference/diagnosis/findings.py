@@ -13,7 +13,7 @@ from surae.inference.diagnosis.between import (
     lag_finding,
     lagging_stream,
 )
-from surae.inference.diagnosis.clocks import clock_finding, estimated_clock
+from surae.inference.diagnosis.clocks import ClockDrift, clock_finding, estimated_clock
 from surae.inference.diagnosis.competing import GOOD_ENOUGH, Rivals, best_of, rivals, signs, zero
 from surae.inference.diagnosis.explanations import EVIDENCE, EXPLAINS, evidence
 from surae.inference.diagnosis.long import examined_in_windows, is_long
@@ -60,7 +60,9 @@ def examined(
         return _examined(recording, commanded, left_out, electrodes)
     reads, beside = used(recording, left_out)
     quality = examined_in_windows(
-        reads, lambda window, known: _examined(window, commanded, (), known), electrodes
+        reads,
+        lambda window, known, clocks: _examined(window, commanded, (), known, clocks=clocks),
+        electrodes,
     )
     return replace(quality, findings=ordered([*beside, *quality.findings]))
 
@@ -70,8 +72,10 @@ def _examined(
     commanded: Commanded | None,
     left_out: Iterable[Sequence[float]],
     electrodes: Electrodes | None,
+    *,
+    clocks: bool = True,
 ) -> Quality:
-    """All findings of a trial."""
+    """All findings of a trial; of its `clocks` where they are looked at."""
     findings, right = wrong_units(recording, electrodes)
     if electrodes is not None:
         electrodes = electrodes.in_units(recording, right)
@@ -100,7 +104,7 @@ def _examined(
     fit = quick_fit(right, signals) if told else None
     if fit is None:
         return _together(quality, findings)
-    drift = drifting_clock(right, signals, fit)
+    drift = _drift(right, signals, fit, wanted=clocks)
     if drift is not None:  # all that follows from it is no finding
         findings.append(clock_finding(drift, signals))
         signals = drift.right(signals)
@@ -112,6 +116,13 @@ def _examined(
             quality = check_recording(with_signs, commanded, electrodes=electrodes)
         return _together(quality, [*findings, *wrong], but=("torque-sign",))
     return _by_a_fit(quality, right, signals, (fit, tries, drift is None), findings)
+
+
+def _drift(
+    recording: Recording, signals: Signals, fit: QuickFit, *, wanted: bool
+) -> ClockDrift | None:
+    """The clock that drifts, where it is looked for."""
+    return drifting_clock(recording, signals, fit) if wanted else None
 
 
 def _by_a_fit(

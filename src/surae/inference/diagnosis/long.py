@@ -49,20 +49,23 @@ def is_long(recording: Recording) -> bool:
 
 def examined_in_windows(
     recording: Recording,
-    judge: Callable[[Recording, Electrodes | None], Quality],
+    judge: Callable[[Recording, Electrodes | None, bool], Quality],
     electrodes: Electrodes | None,
 ) -> Quality:
     """All findings of a recording that `is_long`.
 
-    `judge` finds what is wrong with a window. `electrodes` are what all trials of the leg show of
-    theirs; without them, windows are judged by what the whole recording shows.
+    `judge` finds what is wrong with a window, its clocks too where it is asked to: those of later
+    windows are looked at only where the first one's drift. `electrodes` are what all trials of the
+    leg show of theirs; without them, windows are judged by what the whole recording shows.
     """
     seen = electrodes or together(map(_electrodes, _pieces(recording))) or Electrodes({})
     findings = list(time_axes(recording))
     of_pieces = [check_samples(piece, seen) for piece in _pieces(recording)]
     findings += _once_each(of_pieces, "found/pieces")
     windows = _windows(recording)
-    judged = [judge(window, electrodes) for window in windows]
+    judged = [judge(window, electrodes, True) for window in windows[:1]]
+    drifts = any(finding.code in _CLOCKS for each in judged for finding in each.findings)
+    judged += [judge(window, electrodes, drifts) for window in windows[1:]]
     findings += _of_windows(judged)
     hours = (recording.shared[1] - recording.shared[0]) / 3600.0
     findings.append(
