@@ -91,9 +91,8 @@ def post_preview(body: ProtocolPreview) -> dict[str, Any]:
             "from; use a rate of 125 Hz: it tells as much"
         )
     adaptation = trajectory.adaptation
-    expectation = api.expect(trajectory, legs=_LEGS, **body.model_dump(exclude={"settings"}))
     shown = api.extremes([trajectory.angle, trajectory.velocity], _POINTS)
-    return {
+    movement = {
         "t": plain(trajectory.time[shown]),
         "angle": plain(trajectory.angle[shown]),
         "velocity": plain(trajectory.velocity[shown]),
@@ -101,6 +100,13 @@ def post_preview(body: ProtocolPreview) -> dict[str, Any]:
         "seconds": float(trajectory.time[-1]),
         "limits": limits(trajectory),
         "adaptation": [] if adaptation is None else [s.parts() for s in adaptation.steps],
+        "prediction": None,
+    }
+    if not body.predict:
+        return movement
+    asked = body.model_dump(exclude={"settings", "predict"})
+    expectation = api.expect(trajectory, legs=_LEGS, **asked)
+    return movement | {
         "prediction": expectation.to_json() | {"identified": expectation.identified},
         "legs": expectation.legs.parts(),
         "caution": expectation.caution and expectation.caution.parts(),
