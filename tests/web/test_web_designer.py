@@ -38,6 +38,7 @@ def test_a_preview_comes_in_seconds(browser) -> None:
     assert told["l0_tri"]["verdict"] == "weak"  # it rests on arms and paths
     velocity = next(limit for limit in shown["limits"] if "velocity" in limit["text"])
     assert not velocity["exceeded"]
+    assert "°/s, within the 85.9 °/s of achilles" in velocity["text"]
 
 
 def test_the_page_opens_on_a_movement_that_its_device_holds(browser) -> None:
