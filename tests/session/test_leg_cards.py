@@ -11,11 +11,13 @@ from surae.inference import Grade, Verdict
 from surae.measures.norms import Norm
 from surae.nerve.leg import Nerve
 from surae.report import block
-from surae.report.language import words_in
+from surae.report.invariants import invariants_section
+from surae.report.language import MEASURES, words_in
 from surae.report.leg import leg_answers
-from surae.report.leg_cards import change_card, share_words
+from surae.report.leg_cards import change_card, is_told, share_words
 from surae.report.nerve_card import nerve_card
 from surae.report.normal import beside
+from surae.report.session import _in_words, _other_measures
 
 EN = words_in("en")
 
@@ -121,3 +123,45 @@ def test_each_question_has_one_line_of_answer(done) -> None:
     assert all(answers.values())
     assert answers["How much is nerve?"] == "Not measured"
     assert isinstance(done[1], surae.SessionResult)
+
+
+def numbers_of(section):
+    """What a section of numbers shows: its rows, and the texts beside them."""
+    rows = [
+        row for b in section.blocks if b.kind == "table" for _title, rs in b.groups for row in rs
+    ]
+    return rows, [b.text for b in section.blocks if b.kind == "paragraph"]
+
+
+def test_of_a_fit_that_follows_no_torque_only_rest_is_a_number(done) -> None:
+    of_fit = done[1].joint.measures()
+    modelled = FrozenDict({n: replace(m, basis="model") for n, m in of_fit.items()})
+    poor = replace(of_fit, adequacy=replace(of_fit.adequacy, grade=Grade.INADEQUATE))
+    poor = replace(poor, by_name=modelled)
+    rows, texts = numbers_of(_in_words(poor, 10.0, "", EN))
+    assert rows == []
+    assert texts == ["The fit is not good enough: first do what “Can I trust it?” says."]
+    name, m = next((n, m) for n, m in of_fit.items() if n in MEASURES and is_told(m))
+    rest = replace(poor, by_name=FrozenDict({name: replace(m, basis="rest")}))
+    assert len(numbers_of(_in_words(rest, 10.0, "", EN))[0]) == 1
+
+
+def test_numbers_of_one_trial_alone_say_so(done) -> None:
+    of_fit = done[1].joint.measures()
+    good = replace(of_fit, adequacy=replace(of_fit.adequacy, grade=Grade.DOUBTFUL))
+    rows, texts = numbers_of(_in_words(good, 10.0, "walk", EN))
+    assert rows
+    assert texts[0] == "in walk alone"
+
+
+def test_a_number_from_next_to_nothing_up_is_not_shown(done) -> None:
+    of_fit = done[1].joint.measures()
+    m = next(m for n, m in of_fit.items() if n in MEASURES and is_told(m))
+    wide = replace(m, name="maximal_torque_tri", value=5300.0, ci95=(4.0, 7100.0), unit="Nm")
+    wide = replace(wide, verdict=Verdict.WEAK)
+    told = replace(of_fit, by_name=FrozenDict({wide.name: wide}))
+    told = replace(told, adequacy=replace(of_fit.adequacy, grade=Grade.DOUBTFUL))
+    assert numbers_of(_in_words(told, 10.0, "", EN))[0] == []
+    assert numbers_of(_other_measures(told))[0] == []
+    (row,) = numbers_of(invariants_section([wide]))[0]
+    assert getattr(row[1], "text", row[1]) == "—"

@@ -38,6 +38,7 @@ def test_a_preview_comes_in_seconds(browser) -> None:
     assert told["l0_tri"]["verdict"] == "weak"  # it rests on arms and paths
     velocity = next(limit for limit in shown["limits"] if "velocity" in limit["text"])
     assert not velocity["exceeded"]
+    assert "°/s, within the 85.9 °/s of achilles" in velocity["text"]
 
 
 def test_the_page_opens_on_a_movement_that_its_device_holds(browser) -> None:
@@ -51,6 +52,15 @@ def test_the_page_opens_on_a_movement_that_its_device_holds(browser) -> None:
     assert [limit["text"] for limit in shown.json()["limits"] if limit["exceeded"]] == []
     allowed = browser.post("/api/protocols/csv", json={"settings": choices["start"]["settings"]})
     assert allowed.status_code == 200, allowed.text
+
+
+def test_a_movement_is_seen_before_what_it_would_tell(browser) -> None:
+    start = browser.get("/api/protocols/choices").json()["start"] | {"model": "muscle"}
+    seen = browser.post("/api/protocols/preview", json=start | {"predict": False}).json()
+    whole = browser.post("/api/protocols/preview", json=start).json()
+    assert seen["prediction"] is None
+    assert whole["prediction"]["parameters"]
+    assert all(seen[key] == whole[key] for key in seen.keys() - {"prediction"})
 
 
 def test_a_preview_says_what_an_expectation_says(browser) -> None:

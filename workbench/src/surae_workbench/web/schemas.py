@@ -441,6 +441,7 @@ class ProtocolPreview(request_of(ExpectSettings, "legs", defaults=True)):  # typ
     """A protocol, and whose legs it is for."""
 
     settings: ProtocolSettings
+    predict: bool = True  #: Whether to say what it would tell, which takes longer than to draw it.
 
 
 class ProtocolRequest(Strict):

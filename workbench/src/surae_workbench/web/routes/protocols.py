@@ -1,5 +1,6 @@
 """The protocol designer: a motion before anybody is measured, its limits, what it will tell."""
 
+import math
 import time
 from dataclasses import asdict
 from typing import Any
@@ -10,7 +11,7 @@ from surae import api
 from surae.base.errors import InputError
 from surae.base.names import FITTED
 from surae.base.records import from_plain
-from surae.base.words import N_
+from surae.base.words import N_, Message
 from surae_workbench.web.answers import Job, Protocol
 from surae_workbench.web.curves import plain
 from surae_workbench.web.fits import model_title
@@ -91,9 +92,8 @@ def post_preview(body: ProtocolPreview) -> dict[str, Any]:
             "from; use a rate of 125 Hz: it tells as much"
         )
     adaptation = trajectory.adaptation
-    expectation = api.expect(trajectory, legs=_LEGS, **body.model_dump(exclude={"settings"}))
     shown = api.extremes([trajectory.angle, trajectory.velocity], _POINTS)
-    return {
+    movement = {
         "t": plain(trajectory.time[shown]),
         "angle": plain(trajectory.angle[shown]),
         "velocity": plain(trajectory.velocity[shown]),
@@ -101,6 +101,13 @@ def post_preview(body: ProtocolPreview) -> dict[str, Any]:
         "seconds": float(trajectory.time[-1]),
         "limits": limits(trajectory),
         "adaptation": [] if adaptation is None else [s.parts() for s in adaptation.steps],
+        "prediction": None,
+    }
+    if not body.predict:
+        return movement
+    asked = body.model_dump(exclude={"settings", "predict"})
+    expectation = api.expect(trajectory, legs=_LEGS, **asked)
+    return movement | {
         "prediction": expectation.to_json() | {"identified": expectation.identified},
         "legs": expectation.legs.parts(),
         "caution": expectation.caution and expectation.caution.parts(),
@@ -177,7 +184,15 @@ def limits(trajectory: api.Trajectory) -> list[dict[str, Any]]:
     """Every limit of the device, whether it is exceeded by those it is for, and by how much."""
     if trajectory.settings.device is None:
         return [{"text": N_("No device: no limit is kept"), "exceeded": True}]
-    return [
-        {"text": e.message, **e.message.parts(), "exceeded": e.exceeded}
-        for e in api.requested_limits(trajectory)
-    ]
+    asked = [(_in_degrees(e.message), e.exceeded) for e in api.requested_limits(trajectory)]
+    return [{"text": said, **said.parts(), "exceeded": exceeded} for said, exceeded in asked]
+
+
+def _in_degrees(said: Message) -> Message:
+    """A limit in the page's unit: devices and files have radians, pages degrees."""
+    values = said.values
+    if not str(values["unit"]).startswith("rad"):
+        return said
+    turned = {name: math.degrees(values[name]) for name in ("value", "limit")}
+    unit = values["unit"].replace("rad", "°")
+    return Message(said.code, said.worded, **{**values, **turned, "unit": unit})

@@ -54,7 +54,7 @@ const request = () => ({ recordings: recordings.map((one) => one.id).filter((id)
 const sorted = (trials) =>
   table(_("What each trial is"), [_("Trial"), _("What it is"), _("Effort"), _("Used for")], trials.map((one) => [
     one.name, h("td", { class: "what" }, one.problem || one.what.split(", ").map((word) => _(word)).join(", "), h("div", { class: "muted small", lang: "en" }, one.problem ? "" : one.why)), effort(one), _(one.use),
-  ]), { caption: _("What each trial is, and what it is used for") });
+  ]), { class: "narrow", caption: _("What each trial is, and what it is used for") });
 
 function effort(one) {
   const options = [["", one.stated ? _("as its signals say") : _("{effort}, by its signals", { effort: _(one.effort) })], ...["passive", "active", "maximal", "empty device", "one muscle at a time"].map((name) => [name, _(name)])];

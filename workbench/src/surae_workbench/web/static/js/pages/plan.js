@@ -89,6 +89,7 @@ const preview = latest(async () => {
   byId("chirp_amplitude").disabled = byId("chirp_rate").disabled = whole; // a designed movement has none
   byId("said").textContent = _("Working it out …");
   try {
+    draw(await post("/api/protocols/preview", { ...request, predict: false })); // seen at once, before what it tells
     show(await post("/api/protocols/preview", request));
     calm(box);
   } catch (error) {
@@ -97,19 +98,25 @@ const preview = latest(async () => {
   }
 });
 
-function show(seen) {
+/** The movement, and what it asks of the device. */
+function draw(seen) {
   const scaled = (values, factor) => values.map((x) => x * factor);
   plots[0].show([seen.t, scaled(seen.angle, DEGREES)], null);
   plots[1].show([seen.t, scaled(seen.velocity, DEGREES)], null);
   plots[2].show([seen.t, ...seen.effort.map((one) => scaled(one, 100))], null);
-  const { prediction, adaptation, caution } = seen;
   replace(
     byId("adaptation"),
-    h("ul", {}, adaptation.map((one) => h("li", {}, said(one))), seen.limits.filter((one) => !one.exceeded).map((one) => h("li", {}, said(one)))),
+    h("ul", {}, seen.adaptation.map((one) => h("li", {}, said(one))), seen.limits.filter((one) => !one.exceeded).map((one) => h("li", {}, said(one)))),
   );
   const exceeded = seen.limits.filter((one) => one.exceeded);
   byId("limits").hidden = byId("reason-field").hidden = exceeded.length === 0;
   replace(byId("limits"), exceeded.map((one) => h("li", {}, said(one))));
+}
+
+/** The movement, and what it would tell. */
+function show(seen) {
+  draw(seen);
+  const { prediction, caution } = seen;
   const entries = [
     [_("Length"), seconds(seen.seconds)],
     [_("Identified"), _("{n} of {whole}", { n: prediction.identified, whole: Object.keys(prediction.parameters).length })],
