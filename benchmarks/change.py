@@ -46,12 +46,13 @@ CASE = 1
 CASE_KEPT = Path(__file__).with_name("change_case.json")
 CASE_PAGE = Path(__file__).parents[1] / "docs" / "how-to" / "before-and-after.md"
 CASE_MARKS = "<!-- case: begin -->", "<!-- case: end -->"
+CASE_ASKED = "passive_stiffness@10deg"
 CASE_ROWS = {
-    "curve_size": "torque at rest over the whole curve [%]",
-    "torque_rise": "rise of the torque over the range [Nm]",
+    "passive_stiffness@10deg": "stiffness at rest, 10° [Nm/°]",
+    "slow_stiffness@10deg": "stiffness in a slow stretch, 10° [Nm/°]",
     "end_stiffness": "stiffness at the end of the range [Nm/°]",
     "passive_torque@10deg": "torque at rest, 10° [Nm]",
-    "passive_stiffness@10deg": "stiffness at rest, 10° [Nm/°]",
+    "k_tri": "the calf's stiffness k [1/m]",
     "relaxed_share@10s": "part that relaxes within 10 s [%]",
 }
 
@@ -204,17 +205,17 @@ def claims(pairs: Iterable[int], folder: Path, plain: bool) -> pd.DataFrame:
 
 def case(folder: Path) -> dict[str, object]:
     """What the documentation shows of one leg, before and treated."""
-    before, _, treated = (fitted(session, folder) for session in sessions(CASE, False))
-    told = surae.change(before, treated, angles=[ANGLE], question=["curve_size"])
+    first, _, last = sessions(CASE, False)
+    before, treated = fitted(first, folder), fitted(last, folder)
+    told = surae.change(before, treated, angles=[ANGLE], question=[CASE_ASKED])
     rows = {}
     for name in CASE_ROWS:
-        d = told.measures[name]
+        d = {**told.measures, **told.parameters}[name]
         rows[name] = [d.before, d.after, d.difference, d.ci95, str(d.verdict)]
     return {
         "surae": surae.__version__,
         "date": f"{datetime.now(UTC):%Y-%m-%d}",
         "sentence": str(told.sentence),
-        "looked": len(told.measures) + len(told.parameters),
         "rows": rows,
     }
 
@@ -227,7 +228,7 @@ def case_text(kept: dict[str, object]) -> str:
 
     lines = [
         f"Compared on {kept['date']} by `python benchmarks/change.py FOLDER --case`; asked "
-        f"beforehand for `curve_size`, answered: *{kept['sentence']}*",
+        f"beforehand for `{CASE_ASKED}`, and answered: *{kept['sentence']}*",
         "",
         "| | before | after | difference | 95 % interval | verdict |",
         "|---|--:|--:|--:|--:|---|",

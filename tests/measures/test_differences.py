@@ -55,6 +55,8 @@ def test_what_is_asked_beforehand_has_the_full_level() -> None:
     assert two.as_dict()["measures"]["m3"]["asked"] is True
     with pytest.raises(InputError, match="did you mean 'end_torque'"):
         compare_sessions(before, after, question=["end_torqe"])
+    with pytest.raises(InputError, match="one of the visits has none of it"):
+        compare_sessions(before, after, question=["curve_size"])
 
 
 def test_the_sentence_says_what_would_have_been_shown() -> None:

@@ -71,7 +71,10 @@ def test_a_second_visit_is_asked_before_it_is_seen(desk: Desk, visits: dict[str,
     page.get_by_text("Did it change?").wait_for()
     page.locator("#before").select_option(first["result"])
     card = page.locator(".report [aria-labelledby=change]")
-    expect(card).to_contain_text("Torque at rest over the whole curve is less than before")
-    expect(card).to_contain_text("Asked beforehand")
+    # the answer is to what was asked: of so little rest, that there is none
+    expect(card).to_contain_text("Torque at rest over the whole curve: no verdict")
+    expect(card).to_contain_text("The leg rests for 11 s only")
+    expect(card.locator("tbody tr").first).to_contain_text("Torque at rest over the whole curve")
+    expect(card).to_contain_text("Asked beforehand, and what changed")
     legs = desk.api("GET", "/api/sessions")["sessions"]
     assert len([leg for leg in legs if leg["subject"] == who["id"]]) == 2

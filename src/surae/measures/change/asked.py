@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 
 from surae.base.errors import InputError
 from surae.base.formatting import nearest
+from surae.measures.plain import PLAIN
 from surae.measures.strength import STRENGTH
 
 #: Questions by a word: the measures that they are about.
@@ -22,6 +23,11 @@ def asked_of(question: Sequence[str], names: Iterable[str]) -> frozenset[str]:
                 "efforts of each group, held still, and name the file max"
             )
         of = of or [name for name in every if one in (name, name.partition("@")[0])]
+        if not of and one.partition("@")[0] in PLAIN:
+            raise InputError(
+                f"question {one!r}: one of the visits has none of it; what is read from rest asks "
+                "for half a minute without effort at each, through the range"
+            )
         if not of:
             raise InputError(
                 f"question {one!r}: no such measure or parameter is compared"
