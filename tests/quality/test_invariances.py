@@ -192,7 +192,7 @@ def cut(recording: Recording) -> list[Recording]:
 #: Half-widths of an interval by which what changes nothing may move a measure.
 SAME = 0.02
 #: The same of all measures of a joint fit, by what averages otherwise: 0.053, 0.27 and 0.80 were
-#: seen of one leg. Half of the samples at twice the rate are means of two; a piece has its own zero;
+#: seen of one leg. Half of the samples at twice the rate are means of two, a piece has its zero,
 #: and shares of the torque are of the whole recording, with the rest before it.
 OF_A_FIT = {"twice": 0.1, "before": 0.5, "cut": 1.0}
 #: By how much what averages otherwise may move what rest tells: at twice the rate, with rest
