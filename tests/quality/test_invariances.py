@@ -191,9 +191,10 @@ def cut(recording: Recording) -> list[Recording]:
 
 #: Half-widths of an interval by which what changes nothing may move a measure.
 SAME = 0.02
-#: The same of all measures of a joint fit, by what averages otherwise: 0.053 and 0.80 were seen of
-#: one leg. Half of the samples at twice the rate are means of two; a piece has a zero of its own.
-OF_A_FIT = {"twice": 0.1, "cut": 1.0}
+#: The same of all measures of a joint fit, by what averages otherwise: 0.053, 0.27 and 0.80 were
+#: seen of one leg. Half of the samples at twice the rate are means of two, a piece has its zero,
+#: and shares of the torque are of the whole recording, with the rest before it.
+OF_A_FIT = {"twice": 0.1, "before": 0.5, "cut": 1.0}
 #: By how much what averages otherwise may move what rest tells: at twice the rate, with rest
 #: before, and of a trial cut in two, of which each piece has a zero of its own.
 OTHERWISE = {"twice": 0.1, "before": 0.3, "cut": 1.0}
@@ -282,7 +283,7 @@ def averaged_otherwise(trials: Sequence[Recording]) -> dict[str, list[Recording]
 def test_what_averages_otherwise_moves_measures_by_less_than_their_intervals(legs) -> None:
     trials = [shorter(each) for each in legs["envelope"]]
     before = surae.session(trials).fit().measures()
-    known = {name: m for name, m in before.items() if m.value is not None}
+    known = {n: m for n, m in before.items() if m.value is not None and "share" not in n}
     changed = averaged_otherwise(trials)
     for name, bound in OF_A_FIT.items():
         assert farthest(known, surae.session(changed[name]).fit().measures()) < bound, name
