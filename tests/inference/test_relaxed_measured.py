@@ -44,6 +44,10 @@ def test_rotation_and_holds_agree_with_the_ruler(trials) -> None:
 def test_all_trials_say_what_the_passive_ones_say(trials) -> None:
     together, sd = slope(trials, (*ROTATION, *HOLDS, *ACTIVE))
     assert together == pytest.approx(0.25, abs=0.03)
+    found = surae.relaxed([*trials.values()]).findings
+    said = {message.code for message in found}
+    assert not said & {"relaxed/plate", "relaxed/heavy", "relaxed/reflex"}
+    assert not said & {"relaxed/tone_calf", "relaxed/tone_tibialis", "relaxed/noisy"}
     assert sd < 0.05
 
 

@@ -30,7 +30,8 @@ _NOISY_PART = 0.08
 #: Inertia that a foot on a tared plate hardly has [kg·m²]: of 33 virtual legs with one two have it.
 _HEAVY = 0.058
 #: Standard deviations by which torque goes with EMG at rest, from which on that is said: of 65
-#: virtual legs without any tone none has more than 2.6, of seven with one six have 3.0 to 9.4.
+#: virtual legs without any tone none has more than 2.6, of seven with one six have 3.0 to 9.4 (of
+#: 62 fresh ones one has more).
 _TONIC = 3.5
 #: Its size is that between these quantiles of it; the calf's torque is positive.
 _USUAL = (0.05, 0.95)
