@@ -48,6 +48,9 @@ def test_every_code_has_a_fault_here_or_a_test_elsewhere() -> None:
         "electrodes-swapped",  # test_explanations.py
         "as-read",  # test_unusable.py
         "emg-clock",
+        "angle-clock",
+        "torque-clock",
+        "angle-torque-lag",  # test_clocks.py
         "emg-above-mvc",
         "no-shared-span",  # tests/cli/test_inspect_layouts.py
         "stretch-series",  # test_perturbed.py
