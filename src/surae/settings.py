@@ -205,13 +205,13 @@ class FitSettings(PreparesInputs, Request):
         from surae.signals import Preparation
 
         Request.__post_init__(self)
-        own = options_of(self.model)
+        kind = options_of(self.model)
         asked: Any = self.estimator
         if asked is None:
-            object.__setattr__(self, "estimator", own())
-        elif not isinstance(asked, own):
+            object.__setattr__(self, "estimator", kind())
+        elif not isinstance(asked, kind):
             given = type(asked).__name__
-            raise InputError(f"{given} has no effect with model {self.model}; give {own.__name__}")
+            raise InputError(f"{given} has no effect with model {self.model}; give {kind.__name__}")
         laboratory(self.beliefs)
         if self.geometry_of != names.GEOMETRY_OF[0] and isinstance(self.options.geometry, str):
             raise InputError("geometry_of has no effect without a geometry's file; give one")
@@ -282,14 +282,16 @@ class FitSettings(PreparesInputs, Request):
     @property
     def nuisances(self) -> str | Mapping[str, tuple[float, float]]:
         """What the laboratory cannot rule out; none where a named model is fitted."""
-        own = self.estimator
-        return own.nuisances if isinstance(own, PosteriorOptions) else names.NUISANCES[1]
+        options = self.estimator
+        return options.nuisances if isinstance(options, PosteriorOptions) else names.NUISANCES[1]
 
     @property
     def geometry_of(self) -> str:
         """Whose geometry a posterior holds lengths and arms to."""
-        own = self.estimator
-        return own.geometry_of if isinstance(own, PosteriorOptions) else names.GEOMETRY_OF[0]
+        options = self.estimator
+        return (
+            options.geometry_of if isinstance(options, PosteriorOptions) else names.GEOMETRY_OF[0]
+        )
 
     @property
     def zero_sd(self) -> float:
@@ -329,8 +331,10 @@ class FitSettings(PreparesInputs, Request):
         A prior that the data cannot see would else count as none at all.
         """
         groups = frozenset[str]() if self.knowledge is None else groups_of(self.knowledge)
-        own = {"arm", "bend", "length"} if self.geometry_of == names.GEOMETRY_OF[1] else set()
-        return groups | own
+        by_geometry = (
+            {"arm", "bend", "length"} if self.geometry_of == names.GEOMETRY_OF[1] else set()
+        )
+        return groups | by_geometry
 
     @property
     def parameters(self) -> frozenset[str]:

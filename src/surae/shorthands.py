@@ -18,9 +18,9 @@ def with_geometry(
 
     known = knowledge_of(given["knowledge"])
     check_knowledge(model, known)
-    own = known.table is not None and options.geometry == ModelOptions().geometry
-    own = own and switches.setdefault("geometry", known.table) is known.table
-    if own and model == names.AUTO:
+    of_person = known.table is not None and options.geometry == ModelOptions().geometry
+    of_person = of_person and switches.setdefault("geometry", known.table) is known.table
+    if of_person and model == names.AUTO:
         given.setdefault("geometry_of", known.geometry_of)
     return {**given, "knowledge": known}
 

@@ -48,8 +48,8 @@ class Ankle:
 
     def still(self, angle: Array) -> Array:
         """Return the torque of the ankle that is held still at its own angles [rad], relaxed."""
-        own = sum((d.rest(angle) for d in self.tissues), np.zeros(angle.shape))
-        return np.asarray(self._muscles(angle) + own)
+        of_tissues = sum((d.rest(angle) for d in self.tissues), np.zeros(angle.shape))
+        return np.asarray(self._muscles(angle) + of_tissues)
 
     def glide(self, angle: Array, step: float = STEP) -> Array:
         """Return the torque over a movement of the ankle that begins relaxed, step by step."""
@@ -87,9 +87,9 @@ class Ankle:
 
 def own_measures(ankle: Ankle, moved: tuple[float, float]) -> Found:
     """Return the measures at the ankle's own angles; ``moved`` is its range [rad]."""
-    found = _curve(ankle.still, ankle.glide, *np.degrees(moved))
-    found["relaxed_share@10s"] = _share(ankle)
-    return found
+    measures = _curve(ankle.still, ankle.glide, *np.degrees(moved))
+    measures["relaxed_share@10s"] = _share(ankle)
+    return measures
 
 
 def shown_measures(ankle: Ankle, moved: tuple[float, float]) -> Found:
@@ -110,7 +110,7 @@ def _curve(still: Turns, glide: Turns, low: float, high: float) -> Found:
         return float(np.interp(degrees, angle, torque))
 
     from_ = max(low, high - LAST)
-    found: Found = {
+    measures: Found = {
         "end_torque": relaxed(high),
         "end_stiffness": (relaxed(high) - relaxed(from_)) / (high - from_),
         "torque_rise": relaxed(high) - relaxed(low),
@@ -120,18 +120,18 @@ def _curve(still: Turns, glide: Turns, low: float, high: float) -> Found:
     curves = {"": still(np.radians(degrees)), "slow_": np.interp(degrees, angle, torque)}
     for at in MEASURED_AT:
         for name, read in (("passive", relaxed), ("slow", slow)):
-            found[f"{name}_torque@{at}deg"] = read(at)
+            measures[f"{name}_torque@{at}deg"] = read(at)
             rise = read(at + NEAR) - read(at - NEAR)
-            found[f"{name}_stiffness@{at}deg"] = rise / (2 * NEAR)
+            measures[f"{name}_stiffness@{at}deg"] = rise / (2 * NEAR)
     for newtons in TORQUES:
         for name, curve in curves.items():
             there = _reached(degrees, curve, newtons)
             read = slow if name else relaxed
-            found[f"{name}range_at_torque@{newtons}Nm"] = there
-            found[f"{name}stiffness_at_torque@{newtons}Nm"] = (
+            measures[f"{name}range_at_torque@{newtons}Nm"] = there
+            measures[f"{name}stiffness_at_torque@{newtons}Nm"] = (
                 None if there is None else (read(there + NEAR) - read(there - NEAR)) / (2 * NEAR)
             )
-    return found
+    return measures
 
 
 def _stretched(glide: Turns, top: float) -> tuple[Array, Array]:

@@ -46,24 +46,24 @@ def invariants(
     """
     zero = np.zeros(1)
     arms = subject.geometry.arm(zero)[:, 0]
-    found: dict[str, float | None] = {}
+    made: dict[str, float | None] = {}
     for i, (group, muscle) in enumerate(zip(GROUPS, subject.muscles(), strict=True)):
         slope = abs(_slope(subject, i))
         straight, even = muscle.width == 0, muscle.short_width == muscle.long_width
         length = static_force(muscle, float(subject.geometry.path(zero)[i, 0]), 0.0)[1]
-        found[f"passive_exponent_{group}"] = muscle.k * slope if straight else None
+        made[f"passive_exponent_{group}"] = muscle.k * slope if straight else None
         wide = math.sqrt(muscle.short_width) * muscle.l0 / slope
-        found[f"active_width_{group}"] = math.degrees(wide) if straight and even else None
+        made[f"active_width_{group}"] = math.degrees(wide) if straight and even else None
         away = math.degrees((length - muscle.l0) / slope)
-        found[f"working_point_{group}"] = away if straight else None
+        made[f"working_point_{group}"] = away if straight else None
         at = TENDON_AT[group]
-        found[f"tendon_rotational_stiffness_{group}@{at}Nm"] = _tendon(
+        made[f"tendon_rotational_stiffness_{group}@{at}Nm"] = _tendon(
             muscle, at, float(arms[i]), slope
         )
-        found[f"maximal_torque_{group}"] = _largest(subject, i, moved, active[i])
+        made[f"maximal_torque_{group}"] = _largest(subject, i, moved, active[i])
     for i, name in enumerate(ELECTRODES):
-        found[f"torque_gain_{name}"] = float(gains[i] * arms[1 if i == 0 else 0])
-    return found
+        made[f"torque_gain_{name}"] = float(gains[i] * arms[1 if i == 0 else 0])
+    return made
 
 
 def _slope(subject: Subject, i: int) -> float:

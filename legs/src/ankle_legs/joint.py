@@ -71,7 +71,7 @@ def _move(
     level: Array,
     habit: Array,
     servo: Array,
-    own: Array,
+    tissue: Array,
     reflexes: Array,
 ) -> tuple[Array, Array, Array, Array, Array]:
     n = command.size
@@ -79,19 +79,19 @@ def _move(
     torque, elastic, neural = np.zeros(n), np.zeros(n), np.zeros((reflexes.shape[0], n))
     omega, motor = 2 * math.pi * servo[0], servo[2]
     pull, brake = motor * omega * omega, 2 * servo[1] * motor * omega
-    mass, k = own[0], own[2]
-    keep_1, keep_2 = math.exp(-h / own[4]), math.exp(-h / own[6])
+    mass, k = tissue[0], tissue[2]
+    keep_1, keep_2 = math.exp(-h / tissue[4]), math.exp(-h / tissue[6])
     f_1 = f_2 = s = before = 0.0
     state = np.zeros((reflexes.shape[0], 2))
     asked = np.zeros(reflexes.shape[0])
     for i in range(n):
         here = x[i]
         dx = here - before
-        f_1 = keep_1 * f_1 + own[3] * own[4] / h * (1 - keep_1) * dx
-        f_2 = keep_2 * f_2 + own[5] * own[6] / h * (1 - keep_2) * dx
-        s = (s + dx) / (1 + abs(dx) / own[9])
-        elastic[i] = k * level[i] * (here + 0.5 * own[7] * here * here)
-        rest = elastic[i] + f_1 + f_2 + own[8] * s + load[i]
+        f_1 = keep_1 * f_1 + tissue[3] * tissue[4] / h * (1 - keep_1) * dx
+        f_2 = keep_2 * f_2 + tissue[5] * tissue[6] / h * (1 - keep_2) * dx
+        s = (s + dx) / (1 + abs(dx) / tissue[9])
+        elastic[i] = k * level[i] * (here + 0.5 * tissue[7] * here * here)
+        rest = elastic[i] + f_1 + f_2 + tissue[8] * s + load[i]
         for j in range(reflexes.shape[0]):
             r = reflexes[j]
             then = i - r[1] / h
@@ -116,7 +116,7 @@ def _move(
             asked[j] = late
             neural[j, i] = r[5] * state[j, 0]
             rest += neural[j, i]
-        damper = own[1] * math.sqrt(level[i]) / (1 + own[10] * abs(dx / h))
+        damper = tissue[1] * math.sqrt(level[i]) / (1 + tissue[10] * abs(dx / h))
         total, drag = motor + mass, brake + damper
         x[i + 1] = (
             total * (2 * here - before) / h**2
@@ -133,7 +133,7 @@ def _move(
 def move(
     command: Array,
     servo: Servo,
-    own: Intrinsic,
+    tissue: Intrinsic,
     reflexes: tuple[Reflex, ...] = (),
     *,
     load: Array | None = None,
@@ -155,7 +155,7 @@ def move(
             one if level is None else level,
             one if habit is None else habit,
             np.array(astuple(servo), float),
-            np.array(astuple(own), float),
+            np.array(astuple(tissue), float),
             table,
         )
     )

@@ -120,14 +120,14 @@ def _device(rng: np.random.Generator) -> Device:
     )
 
 
-def measured_geometry(rng: np.random.Generator, own: Geometry) -> Geometry:
+def measured_geometry(rng: np.random.Generator, true: Geometry) -> Geometry:
     """Return a leg's geometry as it is measured: 3 % in arms and in what paths travel."""
-    arms, paths = own.arms.copy(), own.paths.copy()
+    arms, paths = true.arms.copy(), true.paths.copy()
     sd = GEOMETRY_SD / 100
     for i in range(2):
         scale = 1 + 0.9 * sd * rng.normal()
         arms[i] *= scale
-        arms[i, 1] += 0.45 * sd * own.arms[i, 0] * rng.normal() / 0.5  # over half a radian
+        arms[i, 1] += 0.45 * sd * true.arms[i, 0] * rng.normal() / 0.5  # over half a radian
         paths[i, 1:] *= scale * (1 + 0.3 * sd * rng.normal())
         paths[i, 0] += 0.002 * rng.normal()
     return Geometry(arms, paths)
@@ -171,13 +171,13 @@ def measure(
     if wrong == "axis":
         turned = one.rng(23).uniform(0, 2 * np.pi)
         axis = 15 * np.array([np.cos(turned), np.sin(turned)])
-    own = (
+    setup_of = (
         ()
         if family in PATHS or any(isinstance(d, look.Arms) for d in one.departures)
         else drawn(look.Arms)(one.rng(24), 0.8)
     )
     in_laboratory = (
-        *(d for d in (*own, *one.departures) if not isinstance(d, look.Zero | look.Untared)),
+        *(d for d in (*setup_of, *one.departures) if not isinstance(d, look.Zero | look.Untared)),
         look.Zero(float(zero)),
         Axis(float(axis[0]) / 1000, float(axis[1]) / 1000),
         device,
@@ -250,13 +250,13 @@ def _other_leg(family: str, seed: int) -> Any:
 
 def _other_geometry(rng: np.random.Generator, one: Leg) -> Geometry:
     """Return a table of a leg whose arms differ from this one's by some 12 to 20 %."""
-    own = one.lasting(one.subject).geometry
+    true = one.lasting(one.subject).geometry
     sign = float(rng.choice([-1, 1]))
     scales = 1 + sign * rng.uniform(0.12, 0.2, 2) * np.array([1, rng.choice([-1, 1])])
-    paths = own.paths.copy()
+    paths = true.paths.copy()
     paths[:, 1:] *= scales[:, None]
     paths[:, 0] += 0.006 * rng.normal(size=2)
-    return Geometry(own.arms * scales[:, None], paths)
+    return Geometry(true.arms * scales[:, None], paths)
 
 
 def _tare(rng: np.random.Generator, one: Leg, device: Device) -> dict[str, Array]:

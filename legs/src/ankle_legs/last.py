@@ -183,13 +183,13 @@ class Silent(Departure):
     shares: Array = between(0.06, 0.14, 2)  # of the group's largest torque
 
     def measure(self, run: Run) -> None:
-        one, own = np.ones(run.times.size), run.rng
+        one, rng = np.ones(run.times.size), run.rng
         levels = (run.effort[1:].sum(axis=0), run.effort[0])
         for i, (level, share) in enumerate(zip(levels, self.shares, strict=True)):
-            course = np.clip(1 + 0.5 * _course(own, run, 2.0), 0, 2)
-            alone = np.clip(_course(own, run, 1.5) - 1.0, 0, 1) * np.any(level)
+            course = np.clip(1 + 0.5 * _course(rng, run, 2.0), 0, 2)
+            alone = np.clip(_course(rng, run, 1.5) - 1.0, 0, 1) * np.any(level)
             drive = run.delayed(level * course + 0.5 * alone, run.mounting.delay)
-            muscle = Muscle(1.0, 9.0, 2.0, 0.3, own.uniform(0.045, 0.055), 2.5, 1.0)
+            muscle = Muscle(1.0, 9.0, 2.0, 0.3, rng.uniform(0.045, 0.055), 2.5, 1.0)
             path = 0.05 + (0.025, -0.03)[i] * run.ankle
             force = integrate(run.step, path, drive, one, 0 * one, muscle.constants())[1]
             run.torque += (1, -1)[i] * share * run.subject.torque[i] * force

@@ -115,12 +115,12 @@ def _of(form: type[Form], **how: Any) -> Draws:
     """Draw tissue whose calf's side has another form."""
 
     def draw_one(rng: np.random.Generator, subject: Subject) -> Departures:
-        own = tissue(rng, subject)
+        tissues = tissue(rng, subject)
         low, high = subject.range
         slack = high - float(rng.uniform(0.5, 0.95)) * (high - low)
         bend = float(rng.uniform(1.6, 3.6))
         more = {name: draw_how(rng) for name, draw_how in how.items()}
-        return (replace(own, form=form("", end=high, bend=bend, slack=slack, **more)),)
+        return (replace(tissues, form=form("", end=high, bend=bend, slack=slack, **more)),)
 
     return draw_one
 
@@ -153,8 +153,8 @@ def _with(*kinds: type[Departure]) -> Draws:
     forms: tuple[Draws, ...] = (_of(Powered), _of(Tabled, knots=_knots), _sagging)
 
     def draw_some(rng: np.random.Generator, subject: Subject) -> Departures:
-        own = forms[int(rng.integers(len(forms)))](rng, subject)
-        return (*own, *drawn(*kinds)(rng, 1.0))
+        tissues = forms[int(rng.integers(len(forms)))](rng, subject)
+        return (*tissues, *drawn(*kinds)(rng, 1.0))
 
     return draw_some
 

@@ -230,17 +230,17 @@ class Leg:
         values: dict[str, float | None] = dict(subject.values)
         for i, name in enumerate(GAINS):
             values[name] = subject.values[name] / float(mounting.electrodes[i])
-        found = self.measures(subject, mounting, kinds, moves)
+        measures = self.measures(subject, mounting, kinds, moves)
         derived = {m: why for p, why in unscored.items() for m in DERIVED.get(p, ())}
         unscored |= derived | invariants.unscored(unscored)
         for name in unscored:
-            for one in [m for m in found if m.startswith(name)]:
-                found[one] = None
+            for one in [m for m in measures if m.startswith(name)]:
+                measures[one] = None
             if name in values:
                 values[name] = None
         return {
             "parameters": {name: values[name] for name in PARAMETERS},
-            "measures": found,
+            "measures": measures,
             "unscored": unscored,
         }
 
@@ -252,9 +252,9 @@ class Leg:
         moves: Sequence[tuple[int, float]],
     ) -> dict[str, float | None]:
         """Return the measures over what the trials of a visit moved and activated."""
-        own, moved, drives = self.lasting(subject), [], []
+        lasting, moved, drives = self.lasting(subject), [], []
         for (number, seconds), kind in zip(moves, kinds, strict=True):
-            run = _start(fine_times(seconds), own, mounting, self.rng(3, number), kind)
+            run = _start(fine_times(seconds), lasting, mounting, self.rng(3, number), kind)
             for departure in self.departures:
                 departure.excite(run)
                 if not departure.loops:
@@ -263,7 +263,7 @@ class Leg:
             drives.append(_drives(run))
         ends = np.percentile(np.concatenate(moved), [1, 99])
         step, active = run.step, []
-        for i, muscle in enumerate(own.muscles()):
+        for i, muscle in enumerate(lasting.muscles()):
             states = [active_state(muscle, drive[i], step)[::FINE] for drive in drives]
             active.append(float(np.percentile(np.concatenate(states), 99)))
         largest = (active[0], active[1])
@@ -277,11 +277,11 @@ class Leg:
         active: tuple[float, float],
     ) -> dict[str, float | None]:
         """Return the measures of a leg that moved between two angles, as active as that."""
-        own = self.lasting(subject)
+        lasting = self.lasting(subject)
         shown = [subject.values[g] / float(mounting.electrodes[j]) for j, g in enumerate(GAINS)]
         weights = (float(sum(shown[1:])), float(shown[0]))
-        found = measures(own, weights, self.rest, self.resist, ends, active)
-        return found | invariants.invariants(own, shown, ends, active)
+        made = measures(lasting, weights, self.rest, self.resist, ends, active)
+        return made | invariants.invariants(lasting, shown, ends, active)
 
     def rest(self, angle: Array) -> Array:
         """Return the torque of the joint's own tissue, at rest at an angle [Nm]."""

@@ -74,12 +74,12 @@ def _mapping(name: str, columns: Sequence[str], film: Sequence[str], emg: str) -
     """Return a description of a recording and its film, which has a clock of its own."""
     lines = [f'name = "{name}"', f'emg = "{emg}"']
     clock = f"start_s = {FILM_START}\nrate_hz = {FILM_RATE:.9g}\n"
-    for column, file, own in [
+    for column, file, timing in [
         *((c, "", "") for c in columns[1:]),
         *((c, "film/", clock) for c in film[1:]),
     ]:
         channel, unit = column.rsplit("_", 1)
-        where = f'file = "{file}{name}.csv"\ncolumn = "{column}"\nunit = "{unit}"\n{own}'
+        where = f'file = "{file}{name}.csv"\ncolumn = "{column}"\nunit = "{unit}"\n{timing}'
         lines.append(f"[channels.{channel}]\n{where}")
     return "\n".join(lines) + "\n"
 
@@ -141,8 +141,8 @@ def make(
     emg = "raw" if asked.raw else "envelope"
     truths, paths = [], []
     if asked.geometry:
-        own = one.lasting(one.subject).geometry
-        write_geometry(output / folder / "geometry" / "geometry.csv", own)
+        geometry = one.lasting(one.subject).geometry
+        write_geometry(output / folder / "geometry" / "geometry.csv", geometry)
     for trial in trials:
         usual, length = one.usual(trial)
         kind, seconds = asked.kind or usual, asked.seconds or length

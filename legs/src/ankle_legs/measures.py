@@ -75,7 +75,7 @@ def measures(
 
     low, high = np.degrees(moved)
     from_ = max(low, high - LAST)
-    found: dict[str, float | None] = {
+    made: dict[str, float | None] = {
         "end_stiffness": float((joint(high) - joint(from_)) / (high - from_)),
         "end_torque": joint(high),
         "torque_rise": joint(high) - joint(low),
@@ -89,26 +89,26 @@ def measures(
         * -math.expm1(-(1 + values["k_rel"]) * 10 / values["tau_rel"]),
     }
     for at in MEASURED_AT:
-        found |= {f"passive_torque@{at}deg": joint(at), f"passive_stiffness@{at}deg": slope(at)}
-        found[f"quick_stiffness@{at}deg"] = _quick(subject, at, rest)
+        made |= {f"passive_torque@{at}deg": joint(at), f"passive_stiffness@{at}deg": slope(at)}
+        made[f"quick_stiffness@{at}deg"] = _quick(subject, at, rest)
         for i, group in enumerate(GROUPS):
             sign = (1, -1)[i]
-            found[f"passive_torque_{group}@{at}deg"] = held(i, at)
+            made[f"passive_torque_{group}@{at}deg"] = held(i, at)
             rise = held(i, at + 0.05) - held(i, at - 0.05)
-            found[f"passive_stiffness_{group}@{at}deg"] = sign * rise / 0.1
+            made[f"passive_stiffness_{group}@{at}deg"] = sign * rise / 0.1
             added = held(i, at, active[i]) - held(i, at)
-            found[f"active_torque_max_{group}@{at}deg"] = added if active[i] > 50 else None
+            made[f"active_torque_max_{group}@{at}deg"] = added if active[i] > 50 else None
     for i, group in enumerate(GROUPS):
         slack, best = _angles(subject, i)
         for name, before, angle in (
             ("slack_angle", "slack_before_end", slack),
             ("optimal_angle", "optimum_before_end", best),
         ):
-            found[f"{name}_{group}"] = angle
+            made[f"{name}_{group}"] = angle
             reach = None if angle is None else (high - angle if i == 0 else angle - low)
-            found[f"{before}_{group}"] = reach
-        found[f"torque_per_emg_{group}"] = 1e-3 * weights[i] * _unit(subject, i)
-    return found
+            made[f"{before}_{group}"] = reach
+        made[f"torque_per_emg_{group}"] = 1e-3 * weights[i] * _unit(subject, i)
+    return made
 
 
 def _unit(subject: Subject, i: int) -> float:
@@ -135,8 +135,8 @@ def _quick(subject: Subject, degrees: float, rest: Callable[[Array], Array]) -> 
         force, length = static_force(muscle, paths[i, 1], 0.0)
         fibre = math.hypot(length, muscle.width)
         cosine = length / fibre
-        own = muscle.k * (1 + muscle.k_rel) * force / cosine  # of the fibre
-        stiff = own * cosine**2 + force / cosine * muscle.width**2 / fibre**3
+        stiffness = muscle.k * (1 + muscle.k_rel) * force / cosine  # of the fibre
+        stiff = stiffness * cosine**2 + force / cosine * muscle.width**2 / fibre**3
         if muscle.dlt:
             tendon = tendon_force(paths[i, 1] - length, muscle.constants())[1]
             stiff = stiff * tendon / (stiff + tendon)

@@ -193,10 +193,10 @@ def _fluctuating(rng: np.random.Generator, times: Array) -> Array:
             np.interp(times, knots, np.repeat(rng.integers(0, 2, knots.size), 4)[: knots.size])
         )
         shares = np.ones(1) if rows.stop == 1 else np.array([0.2, 0.55, 0.25])
-        own = 1 + 0.2 * np.array(
+        fluctuation = 1 + 0.2 * np.array(
             [np.interp(times, knots, rng.normal(size=knots.size)) for _ in shares]
         )
-        level[rows] = share * course * works * shares[:, None] * own
+        level[rows] = share * course * works * shares[:, None] * fluctuation
     return np.clip(level, 0, 1.2)
 
 

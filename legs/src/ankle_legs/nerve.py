@@ -85,7 +85,7 @@ class Measured:
 
 def answers(folder: Path) -> list[tuple[str, int, dict[str, Any]]]:
     """Return the answers of a folder: family, seed, and what was said."""
-    found = []
+    said_of = []
     for path in sorted(folder.glob("*.json")):
         name = re.fullmatch(r"(.+)-(\d+)", path.stem)
         if not name:
@@ -93,10 +93,10 @@ def answers(folder: Path) -> list[tuple[str, int, dict[str, Any]]]:
         said = json.loads(path.read_text(encoding="utf-8"))
         if not isinstance(said, dict):
             raise ValueError(f"{path}: not an object")
-        found.append((name[1], int(name[2]), said))
-    if not found:
+        said_of.append((name[1], int(name[2]), said))
+    if not said_of:
         raise ValueError(f"{folder}: no FAMILY-SEED.json")
-    return found
+    return said_of
 
 
 HEAD = f"{'':<28} {'n':>4}  {'median':>9} {'90th pc':>10}  {'intervals hold':>19}   identified true"
@@ -106,7 +106,7 @@ def perturbed_table(said: Iterable[tuple[str, int, dict[str, Any]]]) -> str:
     """Count answers of perturbed legs; gain and delay of reflexes above 2 % of the variance."""
     measures = {name: Measured() for name in MEASURES}
     weak = Measured()
-    found = {low: [0, 0, 0, 0] for low in SHARES[:-1]}  # legs, present, cannot tell, wrong way
+    by_share = {low: [0, 0, 0, 0] for low in SHARES[:-1]}  # legs, present, cannot tell, wrong way
     nulls, families = [0, 0, 0, 0], dict[str, list[int]]()  # legs, present, cannot tell, bound < 2
     false: list[str] = []
     for family, seed, answer in said:
@@ -115,16 +115,16 @@ def perturbed_table(said: Iterable[tuple[str, int, dict[str, Any]]]) -> str:
         count = families.setdefault(family, [0, 0])
         share = true["measures"]["reflex_share"]
         loud = share > SHARES[-2]
-        for name, told in answer["measures"].items():
+        for name, answered in answer["measures"].items():
             value = true["measures"].get(name)
             if name not in measures or value is None or (name.startswith("reflex") and not share):
                 continue
             mine = measures[name] if loud or not name.startswith("reflex") else weak
-            holds = mine.add(told, value, name != "reflex_delay")
+            holds = mine.add(answered, value, name != "reflex_delay")
             if holds is not None:
                 count[0] += 1
                 count[1] += holds
-            if holds is False and told.get("verdict") == "identified":
+            if holds is False and answered.get("verdict") == "identified":
                 false.append(f"{name} of {leg}")
         if not share:
             high = (answer["measures"].get("reflex_share", {}).get("ci95") or [None, None])[1]
@@ -135,7 +135,7 @@ def perturbed_table(said: Iterable[tuple[str, int, dict[str, Any]]]) -> str:
             if verdict == "present":
                 false.append(f"a reflex of {leg}, which has none")
             continue
-        row = found[max(low for low in found if share > low)]
+        row = by_share[max(low for low in by_share if share > low)]
         row[0] += 1
         row[1] += verdict == "present"
         row[2] += verdict == "cannot tell"
@@ -153,7 +153,7 @@ def perturbed_table(said: Iterable[tuple[str, int, dict[str, Any]]]) -> str:
         f"{weak.true} of {weak.identified} identified are true"
     )
     for low, high in pairwise(SHARES):
-        n, there, unsure, wrong = found[low]
+        n, there, unsure, wrong = by_share[low]
         lines.append(
             f"reflex of {low:g} to {high:g} % of the variance: {n}, present {there}, "
             f"cannot tell {unsure}, wrong way {wrong}"
@@ -204,12 +204,12 @@ def stretched_table(said: Iterable[tuple[str, int, dict[str, Any]]]) -> str:
         up = [s for s in answer["stretches"] if s.get("direction") == "dorsiflexion"]
         add(kind, extra=len(up))
         for one in true["stretches"]:
-            told = _matched(one, up)
-            add(kind, stretches=1, found=told is not None, extra=-(told is not None))
-            if told is None:
+            answered = _matched(one, up)
+            add(kind, stretches=1, found=answered is not None, extra=-(answered is not None))
+            if answered is None:
                 continue
-            neural, torque = told.get("neural_Nm"), one["neural_Nm"]
-            ci = _interval(told, "neural_ci95", "neural_Nm_ci95", "ci95")
+            neural, torque = answered.get("neural_Nm"), one["neural_Nm"]
+            ci = _interval(answered, "neural_ci95", "neural_Nm_ci95", "ci95")
             holds = ci is not None and ci[0] <= torque <= ci[1]
             if neural is None:
                 add(kind, **{"silent_on_some" if torque > scale else "silent_on_none": 1})
@@ -224,17 +224,17 @@ def stretched_table(said: Iterable[tuple[str, int, dict[str, Any]]]) -> str:
                 tally[0] += 1
                 tally[1] += neural <= scale or holds
         for muscle in CALF:
-            angle, told = true["threshold"][muscle], answer["threshold"].get(muscle) or {}
-            value = told.get("angle_deg")
+            angle, answered = true["threshold"][muscle], answer["threshold"].get(muscle) or {}
+            value = answered.get("angle_deg")
             if angle is None:
                 add(kind, none_there=1, claimed=value is not None)
                 continue
             add(kind, thresholds=1, told=value is not None)
             if value is None:
                 continue
-            ci = _interval(told, "ci95")
+            ci = _interval(answered, "ci95")
             holds = ci is not None and ci[0] <= angle <= ci[1]
-            near, sure = abs(value - angle) <= NEAR_DEG, told.get("verdict") == "identified"
+            near, sure = abs(value - angle) <= NEAR_DEG, answered.get("verdict") == "identified"
             add(kind, within=near, held=holds, either=near or holds)
             add(kind, sure=sure, sure_near=sure and near, sure_held=sure and holds)
             misses.setdefault(kind + " threshold", []).append(abs(value - angle))

@@ -148,13 +148,13 @@ def draw(rng: np.random.Generator, strength: int) -> Ankle:
 def relaxing(rng: np.random.Generator, a: Ankle) -> Ankle:
     """Return the ankle with intrinsic stiffness that relaxes within 6 to 16 ms."""
     k = a.own.stiffness
-    own = replace(
+    relaxed = replace(
         a.own,
         branch=k * float(rng.uniform(0.3, 1.0)),
         seconds=float(rng.uniform(0.006, 0.016)),
         viscosity=a.own.viscosity * float(rng.uniform(0.3, 0.7)),
     )
-    return replace(a, own=own)
+    return replace(a, own=relaxed)
 
 
 def bent(rng: np.random.Generator, a: Ankle) -> Ankle:

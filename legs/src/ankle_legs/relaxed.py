@@ -79,8 +79,8 @@ class RelaxedLeg(Leg):
         one = self if self.trial else self.placed(trial)
         low, high = subject.range
         angles = np.linspace(low, high, 60)
-        own = angles - sum(d.zero() for d in one.departures)
-        far = one.lasting(subject).passive_torque(own) + one.rest(own) > MOST
+        ankle = angles - sum(d.zero() for d in one.departures)
+        far = one.lasting(subject).passive_torque(ankle) + one.rest(ankle) > MOST
         if far.any():
             high = float(angles[np.argmax(far)])
         return replace(subject, range=(low, high))
@@ -143,11 +143,13 @@ class RelaxedLeg(Leg):
 
     def placed(self, trial: int) -> RelaxedLeg:
         """Return the leg as it is in a trial: changed or not, and placed."""
-        own = self.departures
+        departures = self.departures
         if self.changed(trial):
-            own = tuple(self._treated_tissue(d) if isinstance(d, Tissue) else d for d in own)
+            departures = tuple(
+                self._treated_tissue(d) if isinstance(d, Tissue) else d for d in departures
+            )
         setup = self.setup((trial - 1) // VISIT)
-        return replace(self, departures=(setup, *own), trial=trial, done={})
+        return replace(self, departures=(setup, *departures), trial=trial, done={})
 
     def record(
         self,
@@ -187,12 +189,12 @@ class RelaxedLeg(Leg):
         untrue = {name for d in self.departures for name in d.unscored}
         runs = placed.runs(kinds, moves)
         ankle = placed.ankle()
-        own = own_measures(ankle, _ends([run.ankle for run in runs]))
+        of_ankle = own_measures(ankle, _ends([run.ankle for run in runs]))
         shown = shown_measures(ankle, _ends([run.plate for run in runs]))
-        for found in (own, shown):
-            for name in [n for n in found if n.startswith(tuple(untrue))]:
-                found[name] = None
-        truth["measures"] |= own  # found by doing, whatever single parameters mean
+        for measures in (of_ankle, shown):
+            for name in [n for n in measures if n.startswith(tuple(untrue))]:
+                measures[name] = None
+        truth["measures"] |= of_ankle  # found by doing, whatever single parameters mean
         setup = placed.departures[0]
         return truth | {
             "device": shown,
@@ -329,8 +331,8 @@ def _two(rng: np.random.Generator, subject: Subject) -> tuple[Departure, ...]:
     forms: tuple[Draws, ...] = (_form("toe"), _form("linear-quadratic"), _form("capsule"), _rated)
     kinds = (HeelLift, Play, MovedZero, StretchReflex, Tone, Tilted, SoftPlate)
     chosen = sorted(rng.permutation(len(kinds))[:2].tolist())
-    own = forms[int(rng.integers(len(forms)))](rng, subject)
-    calm = (d.undragged() if isinstance(d, Tissue) else d for d in own)  # or nothing settles
+    tissues = forms[int(rng.integers(len(forms)))](rng, subject)
+    calm = (d.undragged() if isinstance(d, Tissue) else d for d in tissues)  # or nothing settles
     return (*calm, *(d for i in chosen for d in drawn(kinds[i])(rng, 0.6)))
 
 
@@ -359,5 +361,5 @@ def leg(family: str, seed: int, draws: Draws, kinds: tuple[str, ...], rng: Any) 
     population = "patient" if rng.random() < 1 / 3 else "healthy"
     subject = draw(rng, population)
     change = tuple(CHANGES)[seed % len(CHANGES)]
-    own = draws(rng, subject)
-    return RelaxedLeg(family, seed, subject, own, kinds=kinds, change=change)
+    departures = draws(rng, subject)
+    return RelaxedLeg(family, seed, subject, departures, kinds=kinds, change=change)

@@ -144,7 +144,7 @@ def measures_of(path: Path) -> set[str]:
 
 def names(path: Path, only: Container[str]) -> str:
     """Return, per name, how often it is identified, true, and how many intervals hold."""
-    found: dict[str, list[int]] = {}
+    counts: dict[str, list[int]] = {}
     for row in rows(path, COLUMNS):
         truth = _truth(row, "trial").get(row["parameter"]) if row["parameter"] in only else None
         low, high = _number(row["low"]), _number(row["high"])
@@ -152,12 +152,12 @@ def names(path: Path, only: Container[str]) -> str:
             continue
         holds, claimed = low <= truth <= high, row["verdict"] == "identified"
         shown = " (device)" if row.get("angle") == "device" else ""
-        count = found.setdefault(row["parameter"] + shown, [0, 0, 0, 0])
+        count = counts.setdefault(row["parameter"] + shown, [0, 0, 0, 0])
         for i, one in enumerate((1, holds, claimed, claimed and holds)):
             count[i] += one
     return "\n".join(
         f"{name:<42} {hold:>4} of {n:<4} hold, {claimed:>4} identified, {true:>4} true"
-        for name, (n, hold, claimed, true) in sorted(found.items())
+        for name, (n, hold, claimed, true) in sorted(counts.items())
     )
 
 

@@ -335,11 +335,11 @@ def _one(
         first = round(start * FINE)
         last = round((plan[k + 1][0] if k + 1 < len(plan) else times[-1]) * FINE)
         span = slice(first, last)
-        own = a.threshold + offsets + a.spread * rng.normal()
+        thresholds = a.threshold + offsets + a.spread * rng.normal()
         habit = 1 - a.habit * (k + 1) / len(plan)
         vary = float(np.exp(a.vary * rng.normal())) * habit
         if a.peak:
-            over = then[span] - own[:, None] + falls[span]
+            over = then[span] - thresholds[:, None] + falls[span]
             if a.clonus:
                 after = times[span] - stop
                 beats = np.exp(-after / 0.5) * np.maximum(np.sin(2 * np.pi * 5.5 * after), 0)
@@ -442,15 +442,15 @@ def _wander(rng: np.random.Generator, n: int, seconds: float) -> Array:
 def _electrodes(s: Stretches, rng: np.random.Generator, drive: Array, effort: Array) -> Array:
     """Return four electrodes' EMG [V] at the sampled rate: raw, or its envelope."""
     n = effort.size
-    own = np.zeros((4, n))
+    level = np.zeros((4, n))
     gains = 6e-6 * np.exp(rng.normal(0, 0.4, 4))  # volts per Nm of the whole calf
-    own[1:] = gains[1:, None] * (drive + effort)
-    own[0] = s.crosstalk * own[1:].mean(axis=0)
-    own += s.volts * np.exp(rng.normal(0, 0.3, 4))[:, None]
+    level[1:] = gains[1:, None] * (drive + effort)
+    level[0] = s.crosstalk * level[1:].mean(axis=0)
+    level += s.volts * np.exp(rng.normal(0, 0.3, 4))[:, None]
     band = butter(2, [20, 400], "bandpass", fs=FINE, output="sos")
-    source = sosfilt(band, rng.normal(size=own.shape))
+    source = sosfilt(band, rng.normal(size=level.shape))
     source *= np.sqrt(np.pi / 2) / source.std(axis=1, keepdims=True)
-    raw = own * source
+    raw = level * source
     if s.clip:
         raw = np.clip(raw, -s.clip, s.clip)
     every = FINE // RATE

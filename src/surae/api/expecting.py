@@ -102,7 +102,7 @@ def _measures_expected(
     if legs.options.anatomy != ANKLE:
         return FrozenDict()
     try:
-        told = detectable(trajectory, legs, level, precision.get("known"))
+        by_name = detectable(trajectory, legs, level, precision.get("known"))
     except InputError:
         return FrozenDict()
-    return FrozenDict({name: ExpectedMeasure(*each) for name, each in told.items()})
+    return FrozenDict({name: ExpectedMeasure(*each) for name, each in by_name.items()})

@@ -100,15 +100,15 @@ class FitFrames(AssessedFit):
             The package xarray is not installed, or the fit has no such recording.
         """
         xarray = library("xarray", "a Dataset")
-        own = numbered(self.result.problem.inputs, recording)
-        torque = measured(own)
+        inputs = numbered(self.result.problem.inputs, recording)
+        torque = measured(inputs)
         columns = {
-            "angle": (own.angle, "rad"),
+            "angle": (inputs.angle, "rad"),
             "torque": (torque, "Nm"),
             "modelled": (torque - self.result.residuals[recording], "Nm"),
         }
         variables = {name: ("time", values, {"units": u}) for name, (values, u) in columns.items()}
-        return xarray.Dataset(variables, {"time": own.time}, {"name": own.name})
+        return xarray.Dataset(variables, {"time": inputs.time}, {"name": inputs.name})
 
     @property
     def correlation(self) -> Any:

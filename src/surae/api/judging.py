@@ -345,7 +345,7 @@ def judge(
                 )
             result = result.with_generic(began)
         values = judged(result)
-        told = None
+        by_recording = None
         if inputs is not None:
             paths = model or result.model
             if not paths:
@@ -353,7 +353,7 @@ def judge(
                     f"{result.path}: a recording speaks of muscles on their paths; give the "
                     "OpenSim model that they lie in (model)"
                 )
-            told = against(result, leg_in_model(paths, side=side, pose=turned), inputs)
-            values = with_recording(values, told)
-        made.append(JudgedResult(result, values, told))
+            by_recording = against(result, leg_in_model(paths, side=side, pose=turned), inputs)
+            values = with_recording(values, by_recording)
+        made.append(JudgedResult(result, values, by_recording))
     return SecondOpinion(tuple(made))

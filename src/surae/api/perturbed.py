@@ -63,13 +63,13 @@ def impedance(
     given = list(several(recordings))
     if not given:
         raise InputError("no recording is given; name one at least")
-    own = None if empty is None else inertia_of_empty(_measured(empty, mapping, corrections))
-    found = []
+    inertia = None if empty is None else inertia_of_empty(_measured(empty, mapping, corrections))
+    recorded = []
     for done, each in enumerate(given):
         if progress is not None:
             progress(done, len(given))
-        found.append(perturbed(_measured(each, mapping, corrections), own))
-    return joined(found)
+        recorded.append(perturbed(_measured(each, mapping, corrections), inertia))
+    return joined(recorded)
 
 
 def stretches(
@@ -113,14 +113,14 @@ def stretches(
     return answers([_measured(each, mapping, corrections) for each in given])
 
 
-def perturbation_page(found: Impedance | Stretches, language: str = "en") -> "Report":
+def perturbation_page(answer: Impedance | Stretches, language: str = "en") -> "Report":
     """The page of what was found, in a language, to be written as HTML or PDF."""
     from surae.report.nerve import impedance_report, stretches_report  # matplotlib
 
     created = datetime.now().astimezone()
-    if isinstance(found, Impedance):
-        return impedance_report(found, created=created, language=language)
-    return stretches_report(found, created=created, language=language)
+    if isinstance(answer, Impedance):
+        return impedance_report(answer, created=created, language=language)
+    return stretches_report(answer, created=created, language=language)
 
 
 def _measured(

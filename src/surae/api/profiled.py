@@ -54,8 +54,8 @@ def profile(
     if request.variance_inflation is None:
         reason = fit.assessment.interval_note
         factors = variance_inflation(fit.assessment)
-        own = {n: factor for n, factor in factors.items() if n in wanted}
-        request = replace(request, variance_inflation=own)
+        of_wanted = {n: factor for n, factor in factors.items() if n in wanted}
+        request = replace(request, variance_inflation=of_wanted)
     return profiles(
         fit.result, wanted, **asdict(request), inflation_reason=reason, progress=progress
     )

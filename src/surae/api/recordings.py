@@ -212,7 +212,7 @@ def _checked(
 ) -> Iterator[tuple[Quality, float]]:
     """Findings of each, and its median angle [rad]; `electrodes` are what all show of theirs."""
     given = commanded if isinstance(commanded, Commanded | None) else commanded_file(commanded)
-    own = joint if isinstance(joint, Joint | None) else read_joint(joint)
+    of_joint = joint if isinstance(joint, Joint | None) else read_joint(joint)
     for recording in recordings:
         protocol = given
         angle = math.nan
@@ -228,11 +228,11 @@ def _checked(
         else:
             if "angle" in measured.channels:
                 angle = float(np.median(measured.channels["angle"].values))
-            if own in (None, ANKLE):
+            if of_joint in (None, ANKLE):
                 quality = examined(measured, protocol, exclude, electrodes)
             else:
                 reads = used(measured, exclude)[0]
-                quality = check_recording(reads, protocol, joint=own, electrodes=electrodes)
+                quality = check_recording(reads, protocol, joint=of_joint, electrodes=electrodes)
         if prepared:
             of_raw = {("emg-kind", "warning"), ("emg-aliased", "error")}
             kept = (f for f in quality.findings if (f.code, f.severity) not in of_raw)

@@ -72,9 +72,9 @@ def muscles_of(film: str | Sequence[str]) -> tuple[str, ...]:
 
 def parted(kind: type[S], keywords: Mapping[str, Any]) -> tuple[S, ModelOptions]:
     """Settings and switches of the model, of keywords for both."""
-    own = {each.name for each, _ in settings_of(kind)}
-    switches = {name: value for name, value in keywords.items() if name not in own}
-    return kind(**{k: v for k, v in keywords.items() if k in own}), ModelOptions.of(**switches)
+    settings = {each.name for each, _ in settings_of(kind)}
+    switches = {name: value for name, value in keywords.items() if name not in settings}
+    return kind(**{k: v for k, v in keywords.items() if k in settings}), ModelOptions.of(**switches)
 
 
 def as_trajectory(protocol: str | PathLike | Trajectory) -> Trajectory:

@@ -280,18 +280,18 @@ def _readings(
     """The trials in a file as they were read: one, or each that the mapping tells apart."""
     try:
         source = open_source(path) if description is None else None
-        own = description or (Description.of(source) if source and is_mapping(source) else None)
-        within = {} if own is None else own.within(None if description is None else path)
+        mapping = description or (Description.of(source) if source and is_mapping(source) else None)
+        within = {} if mapping is None else mapping.within(None if description is None else path)
     except InputError:
         within = {}  # and the reading says why
-    if not within or own is None:
+    if not within or mapping is None:
         return [_reading(name, path, description, right)]
     made = []
     for label, chosen in within.items():
         trial = f"{name}-{label}"
         about = TrialDescription() if description is None else description.mapped(trial)
         try:
-            recording = right(own.read(None if description is None else path, trial, chosen))
+            recording = right(mapping.read(None if description is None else path, trial, chosen))
         except InputError as error:
             made.append(Reading(trial, str(path), None, str(error), about))
         else:

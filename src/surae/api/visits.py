@@ -139,10 +139,10 @@ def over_time_figure(
     looks = {"left": ("o", INK, -apart), "right": ("s", BLUE, apart)}
     for side in sorted({side for _day, side, *_rest in points}):
         mark, colour, shift = looks.get(side, ("o", INK, 0.0))
-        own = sorted(point for point in points if point[1] == side)
-        at = [(day - days[0]).days + shift for day, *_rest in own]
-        values = [value for *_at, value, _h in own]
-        halves = [half for *_at, half in own]
+        of_side = sorted(point for point in points if point[1] == side)
+        at = [(day - days[0]).days + shift for day, *_rest in of_side]
+        values = [value for *_at, value, _h in of_side]
+        halves = [half for *_at, half in of_side]
         axes.errorbar(
             at,
             values,

@@ -221,13 +221,13 @@ def _form(kind: Any) -> tuple[Form, set[str]]:
 def _record_in(kind: Any) -> Any:
     from cattrs.gen import make_dict_structure_fn, override
 
-    form, own = _form(kind)
+    form, names = _form(kind)
     absent = {f.name for f in fields(kind) if f.default is f.default_factory is MISSING}
 
     @cache
     def read() -> Any:  # made when first used: parts that are there already need no reading
         named: Any = {
-            name: override(rename=file) for name, file in form.names.items() if name in own
+            name: override(rename=file) for name, file in form.names.items() if name in names
         }
         return make_dict_structure_fn(kind, converter(), **named)
 
@@ -251,17 +251,17 @@ def _record_in(kind: Any) -> Any:
 def _record_out(kind: Any) -> Any:
     from cattrs.gen import make_dict_unstructure_fn, override
 
-    form, own = _form(kind)
+    form, names = _form(kind)
     named: Any = {
         name: override(
             rename=form.names.get(name),
             omit=name in form.without,
             omit_if_default=name in form.sparse,
         )
-        for name in own
+        for name in names
     }
     write = make_dict_unstructure_fn(kind, converter(), **named)
-    derived = {name: file for name, file in form.names.items() if name not in own}
+    derived = {name: file for name, file in form.names.items() if name not in names}
 
     def plain(record: Any) -> dict[str, Any]:
         made = write(record)

@@ -11,6 +11,10 @@ def docstring(function: Callable[..., Any]) -> str:
     """What a function says of itself; `python -OO` takes it away, then it is read in the source."""
     text = function.__doc__
     if text is None and not __debug__:
-        (own,) = ast.parse(textwrap.dedent(inspect.getsource(function))).body
-        text = ast.get_docstring(own, clean=False) if isinstance(own, ast.FunctionDef) else None
+        (definition,) = ast.parse(textwrap.dedent(inspect.getsource(function))).body
+        text = (
+            ast.get_docstring(definition, clean=False)
+            if isinstance(definition, ast.FunctionDef)
+            else None
+        )
     return text or ""

@@ -26,10 +26,10 @@ def plugins(group: str, kind: type) -> dict[str, Any]:
     """
     from importlib.metadata import entry_points
 
-    found: dict[str, Any] = {}
+    usable: dict[str, Any] = {}
     for point in entry_points(group=f"surae.{group}"):
         _homes.setdefault(point.module.partition(".")[0], _offer(point))
-        if point.name in found:
+        if point.name in usable:
             _log.warning("surae: %s is left out: there is another of its name", _offer(point))
             continue
         try:
@@ -43,8 +43,8 @@ def plugins(group: str, kind: type) -> dict[str, Any]:
             why = " ".join(f"{type(error).__name__}: {error}".split())
             _log.warning("surae: %s is left out of %s: %s", point.name, point.group, why)
         else:
-            found[point.name] = offered
-    return found
+            usable[point.name] = offered
+    return usable
 
 
 def loaded(point: "EntryPoint") -> Any:

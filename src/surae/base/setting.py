@@ -183,8 +183,10 @@ def takes(*requests: Any, defaults: bool = True) -> Callable[[F], F]:
     """
 
     def decorate(function: F) -> F:
-        own = [p for p in signature(function).parameters.values() if p.kind is not p.VAR_KEYWORD]
-        there = {p.name for p in own}
+        parameters = [
+            p for p in signature(function).parameters.values() if p.kind is not p.VAR_KEYWORD
+        ]
+        there = {p.name for p in parameters}
         added = [
             Parameter(
                 each.name, Parameter.KEYWORD_ONLY, default=default_of(each) if defaults else None
@@ -193,7 +195,7 @@ def takes(*requests: Any, defaults: bool = True) -> Callable[[F], F]:
             for each, _ in settings_of(request)
             if each.name not in there
         ]
-        plain = [each.replace(annotation=Parameter.empty) for each in (*own, *added)]
+        plain = [each.replace(annotation=Parameter.empty) for each in (*parameters, *added)]
         vars(function)["__signature__"] = signature(function).replace(parameters=plain)
         text = "\n".join(_described(each, keywords=True, without=there) for each in requests)
         function.__doc__ = docstring(function).replace("    {settings}", text)

@@ -59,11 +59,11 @@ def doubt_of(
     X: list[FloatArray] = []
     Y: list[FloatArray] = []
     left = []
-    for recording, own, error in zip(result.problem.inputs, terms, errors, strict=True):
+    for recording, of_terms, error in zip(result.problem.inputs, terms, errors, strict=True):
         rows = torque_doubt(result, known, recording).rows
         counts = recording.counts
         every = max(rows.shape[1] // _SAMPLES, 1)
-        X.append(own[:, counts][:, ::every].T)
+        X.append(of_terms[:, counts][:, ::every].T)
         Y.append(rows[:, ::every].T)
         left.append(error[counts] - error[counts].mean())
     count = max(y.shape[1] for y in Y)

@@ -14,10 +14,10 @@ from surae.model.jit import inner
 def _kept(n: Record, s: Record, c: int) -> float:
     """Part of an electrode's envelope that is its own muscle's, where powers add up."""
     power = s.smooth[c, 2] ** 2 + 1e-300
-    own = 0.0
+    power_of_muscle = 0.0
     for k in range(4):
-        own += n.inverse[c, k] * (s.smooth[k, 2] ** 2 + 1e-300)
-    part = own / power
+        power_of_muscle += n.inverse[c, k] * (s.smooth[k, 2] ** 2 + 1e-300)
+    part = power_of_muscle / power
     size = part * part + SILENT**2
     kept: float = part * math.sqrt(math.sqrt((1.0 + SILENT**2) / size))
     return kept
@@ -26,28 +26,28 @@ def _kept(n: Record, s: Record, c: int) -> float:
 @inner
 def _heard(n: Record, s: Record, c: int) -> tuple[float, float]:
     """What an electrode hears beyond its rest, and as smooth as effort is."""
-    own = s.envelope[c] + n.lag * s.envelope_rate[c] - n.rest[c]
-    return own, s.smooth[c, 2] + n.lag * s.smooth_rate[c] - n.rest[c]
+    envelope = s.envelope[c] + n.lag * s.envelope_rate[c] - n.rest[c]
+    return envelope, s.smooth[c, 2] + n.lag * s.smooth_rate[c] - n.rest[c]
 
 
 @inner
 def own_envelopes(n: Record, s: Record) -> None:
     """Envelopes of the muscles themselves."""
     for c in range(4):
-        own, smooth = _heard(n, s, c)
+        envelope, smooth = _heard(n, s, c)
         if n.unmix == 2:
             part = _kept(n, s, c)
-            own *= part
+            envelope *= part
             smooth *= part
         elif n.unmix == 1:
-            own = smooth = 0.0
+            envelope = smooth = 0.0
             for k in range(4):
                 other, other_smooth = _heard(n, s, k)
-                own += n.inverse[c, k] * other
+                envelope += n.inverse[c, k] * other
                 smooth += n.inverse[c, k] * other_smooth
         if n.curved:
-            own = curved_over_effort(own, smooth, n.reference[c], n.shape, n.power)
-        s.own[c] = own + n.release * 0.5 * abs(s.smooth_rate[c])
+            envelope = curved_over_effort(envelope, smooth, n.reference[c], n.shape, n.power)
+        s.own[c] = envelope + n.release * 0.5 * abs(s.smooth_rate[c])
 
 
 @inner

@@ -125,9 +125,9 @@ def numbers_of(
     for g, group in enumerate(_GROUPS):
         laws = (f"{law}_{group}" for law in ("reflex", "reflex_length", "reflex_force"))
         n["reflexes"][g] = [value(law) for law in laws]
-        own = [f"{of}_{group}" for of in OWN_PATH]
-        n["has_own_path"][g] = any(name in by_name for name in own)
-        n["own_path"][g] = [value(name) for name in own]
+        of_path = [f"{of}_{group}" for of in OWN_PATH]
+        n["has_own_path"][g] = any(name in by_name for name in of_path)
+        n["own_path"][g] = [value(name) for name in of_path]
     n["angle_zero"] = value("angle_zero")
     n["has_axis"] = "axis_forward" in by_name
     n["forward"], n["up"] = value("axis_forward"), value("axis_up")
@@ -243,11 +243,11 @@ def _muscles(
     in_metres = options.tendon_strain == CHOICES["tendon_strain"][0]
     n["tendon_unit"] = (1.0, 1.0) if in_metres else options.anatomy.slack
     for g, group in enumerate(_GROUPS):
-        own = [by_name.get(f"{of}_{group}", 0.0) for of in _OWN]
-        own[3], own[4] = by_name["tau_rel"], by_name["k_rel"]
+        parameters = [by_name.get(f"{of}_{group}", 0.0) for of in _OWN]
+        parameters[3], parameters[4] = by_name["tau_rel"], by_name["k_rel"]
         shapes = [by_name.get(f"{of}_{group}", by_name.get(of, 0.0)) for of in _CURVES]
         bridges = [by_name.get(f"bridge_{of}", 0.0) for of in ("stiffness", "reach")]
-        n["groups"][g] = [*own, *shapes, *bridges]
+        n["groups"][g] = [*parameters, *shapes, *bridges]
     n["relax"] = relaxation_step(by_name["tau_rel"], by_name["k_rel"], n["dt"])[:3]
 
 

@@ -62,10 +62,10 @@ def muscle_path(
     length += slope * (angle - inside)
     speed = slope * moving
     if n.has_own_path[group]:
-        own = n.own_path[group]
-        arm *= math.exp(own[0]) * (1.0 + own[1] * angle + own[2] * angle * angle)
-        stretch = math.exp(own[3])
+        of_group = n.own_path[group]
+        arm *= math.exp(of_group[0]) * (1.0 + of_group[1] * angle + of_group[2] * angle * angle)
+        stretch = math.exp(of_group[3])
         rest = n.at_rest[group]
-        length = rest + own[5] + stretch * (length - rest) + own[4] * angle * angle
-        speed = stretch * speed + 2.0 * own[4] * angle * moving
+        length = rest + of_group[5] + stretch * (length - rest) + of_group[4] * angle * angle
+        speed = stretch * speed + 2.0 * of_group[4] * angle * moving
     return factor * arm, length, speed

@@ -91,9 +91,9 @@ def _offered(name: str, distribution: str) -> click.Command:
 
     points = list(entry_points(group="surae.commands", name=name))
     home = distribution.partition("[")[0]
-    own = [point for point in points if point.dist is None or point.dist.name == home]
-    strange = [point.dist.name for point in points if point not in own and point.dist is not None]
-    if not own:
+    ours = [point for point in points if point.dist is None or point.dist.name == home]
+    strange = [point.dist.name for point in points if point not in ours and point.dist is not None]
+    if not ours:
         more = f" ({', '.join(strange)} offers another of its name)" if strange else ""
         raise InputError(f'surae {name} is not installed{more}; run pip install "{distribution}"')
     if strange:
@@ -101,7 +101,7 @@ def _offered(name: str, distribution: str) -> click.Command:
             f"surae {name} of {', '.join(strange)} is left out: it is {home}'s", stacklevel=2
         )
     try:
-        command: click.Command = loaded(own[0])
+        command: click.Command = loaded(ours[0])
     except SuraeError:
         raise
     except Exception as error:

@@ -67,13 +67,13 @@ def command(
         raise InputError("--day is of three visits or more; leave it out of two")
     before, after = visits
 
-    found = api.other_change(before, after)
-    if found is not None:
+    other = api.other_change(before, after)
+    if other is not None:
         if report is not None or baselines or options:
             raise InputError("files of tissue and nerve are compared as they are: --output alone")
         if output is not None:
-            found.save(output)
-        show_answer(found.as_table())
+            other.save(output)
+        show_answer(other.as_table())
         show_files({"change": output})
         return
     api.check_report(report)

@@ -89,9 +89,9 @@ def command(
 
 def _plain(paths: Sequence[str], qualities: "Sequence[api.Quality]") -> dict[str, object]:
     """The findings as plain data, each with the recording it is of."""
-    found = [(path, each.as_dict()) for path, each in zip(paths, qualities, strict=True)]
+    checked = [(path, each.as_dict()) for path, each in zip(paths, qualities, strict=True)]
     return {
-        key: [{"recording": path, **one} for path, plain in found for one in plain[key]]
+        key: [{"recording": path, **one} for path, plain in checked for one in plain[key]]
         for key in ("findings", "skipped")
     }
 

@@ -15,12 +15,12 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 def as_record(name: str, record: type[Any], *options: Callable[[F], F]) -> Callable[[F], F]:
     """Let a command have options, by the fields of a dataclass, as one argument `name`."""
-    own = [each.name for each in fields(record)]
+    names = [each.name for each in fields(record)]
 
     def decorated(command: F) -> F:
         @functools.wraps(command)
         def with_record(*args: Any, **others: Any) -> Any:
-            made = record(**{each: others.pop(each) for each in own})
+            made = record(**{each: others.pop(each) for each in names})
             return command(*args, **{name: made}, **others)
 
         whole: Any = with_record

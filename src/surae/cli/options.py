@@ -281,8 +281,8 @@ def _gathered(options: list[Callable[[Any], Any]], keyword: str) -> Callable[[F]
 
     def decorate(function: F) -> F:
         def command(**values: Any) -> Any:
-            own = {param.name: values.pop(param.name) for param in added}
-            used = {n: v for n, v in own.items() if v not in (None, (), {})}
+            values_of = {param.name: values.pop(param.name) for param in added}
+            used = {n: v for n, v in values_of.items() if v not in (None, (), {})}
             return function(**values, **{keyword: used})
 
         command.__doc__ = docstring(function)

@@ -70,12 +70,12 @@ def command(
     options: dict[str, Any],
 ) -> None:
     """Make a measurement protocol."""
-    own = sorted(
+    shaping = sorted(
         f"--{flag_of(each, record)}"
         for each, record in settings_of(MotionSettings)
         if each.name in options and each.name not in ("angle_range", "rate_hz")
     )
-    own += ["--chirp-factor"] * (chirp_factor is not None)
+    shaping += ["--chirp-factor"] * (chirp_factor is not None)
     if chirp_factor is not None:
         if "chirp_rate" in options:
             raise InputError("--chirp-rate and --chirp-factor say the same; give one of them")
@@ -90,9 +90,9 @@ def command(
     limits = api.as_device(limiting)
     options["angle_range"] = api.allowed_range(limits, options.get("angle_range"))
     if name in api.ready_protocols() or name in TELLING:
-        if own:
+        if shaping:
             raise InputError(
-                f"{own[0]}: {name} was designed as a whole; leave {', '.join(own)} out, or "
+                f"{shaping[0]}: {name} was designed as a whole; leave {', '.join(shaping)} out, or "
                 "design your own: surae design"
             )
         how = limits, options["angle_range"], options.get("rate_hz", MotionSettings().rate_hz)

@@ -47,12 +47,12 @@ def command(
     api.check_report(report)
     with work() as progress:
         progress.describe("reading, and finding rest")
-        found = api.relaxed(
+        curve = api.relaxed(
             recordings, angles=angles or api.REST_ANGLES, mapping=mapping, **corrections
         )
     if output is not None:
-        found.save(output)
-    show_answer(found.as_table())
+        curve.save(output)
+    show_answer(curve.as_table())
     if report is not None:
-        found.report(report, language=language)
+        curve.report(report, language=language)
     show_files({"relaxed": output, "report": report})

@@ -78,8 +78,8 @@ def command(
     if not inputs.prepared:
         said = f"its EMG is raw: envelopes are used, at {inputs.rate_hz:g} Hz as surae fit has them"
         click.echo(f"surae: {shown(recording)}: {said}", err=True)
-    own = api.csv_columns(measured) if inputs.prepared else inputs.columns()
-    table = own | {"torque_Nm": parts.total} | dict(parts.columns())
+    signals = api.csv_columns(measured) if inputs.prepared else inputs.columns()
+    table = signals | {"torque_Nm": parts.total} | dict(parts.columns())
     if state is not None:
         table |= state.columns()
     # The model takes the EMG as an envelope, whatever the file said of it.

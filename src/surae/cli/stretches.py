@@ -38,10 +38,10 @@ def command(
     api.check_report(report)
     with work() as progress:
         progress.describe("taking stretches apart")
-        found = api.stretches(recordings, mapping=mapping, **corrections)
+        answer = api.stretches(recordings, mapping=mapping, **corrections)
     if output is not None:
-        found.save(output)
-    show_answer(found.as_table())
+        answer.save(output)
+    show_answer(answer.as_table())
     if report is not None:
-        api.perturbation_page(found, language).write(report)
+        api.perturbation_page(answer, language).write(report)
     show_files({"stretches": output, "report": report})

@@ -72,12 +72,12 @@ def borrowed(cohort: Cohort, refitted: Sequence[CohortMember], rounds: int) -> C
     Means, spreads and differences stay those of fits that did not: what a leg borrows from the
     others does not enter them.
     """
-    own = {leg: each[0].quantities for leg, each in sessions_of(refitted).items()}
+    by_leg = {leg: each[0].quantities for leg, each in sessions_of(refitted).items()}
     pooled = {}
     for name, p in cohort.pooled.items():
         legs = []
         for leg in p.legs:
-            quantities = own.get(leg.leg)
+            quantities = by_leg.get(leg.leg)
             q = None if quantities is None else quantities.by_name.get(name)
             if q is not None and q.value is not None and math.isfinite(q.total):
                 ends = (q.value - NORMAL * q.total, q.value + NORMAL * q.total)
@@ -156,15 +156,24 @@ def _pooled(
 
 def _effects(pairs: Mapping[str, Sequence[tuple[float, float]]]) -> dict[str, Effects]:
     """Of each group that has legs enough, by values and variances of its legs."""
-    enough = {group: zip(*own, strict=True) for group, own in pairs.items() if len(own) >= FEWEST}
+    enough = {
+        group: zip(*members, strict=True)
+        for group, members in pairs.items()
+        if len(members) >= FEWEST
+    }
     return {group: random_effects(*map(np.array, both)) for group, both in enough.items()}
 
 
 def _among(member: CohortMember, value: float, variance: float, effects: Effects | None) -> Among:
     sd = math.sqrt(variance)
-    drawn, own = (value, sd) if effects is None else effects.shrunken(value, variance)
+    drawn, drawn_sd = (value, sd) if effects is None else effects.shrunken(value, variance)
     return Among(
-        member.leg, member.group, value, sd, drawn, (drawn - NORMAL * own, drawn + NORMAL * own)
+        member.leg,
+        member.group,
+        value,
+        sd,
+        drawn,
+        (drawn - NORMAL * drawn_sd, drawn + NORMAL * drawn_sd),
     )
 
 
@@ -226,8 +235,8 @@ def _judged(
             **false_discovery({place: p for place, p in every.items() if place[0] not in asked}),
         }
         for (name, key), p in adjusted.items():
-            own = dict(getattr(done[name], kind))
-            own[key] = replace(own[key], p=p)
-            renewed: dict[str, Any] = {kind: FrozenDict(own)}
+            comparisons = dict(getattr(done[name], kind))
+            comparisons[key] = replace(comparisons[key], p=p)
+            renewed: dict[str, Any] = {kind: FrozenDict(comparisons)}
             done[name] = replace(done[name], **renewed)
     return done

@@ -70,18 +70,18 @@ class Cohort(Tabular, Saved):
     @property
     def sentence(self) -> str:
         """The answer: how groups differ, or legs changed, in what was asked beforehand, or most."""
-        told = [
+        comparisons = [
             (p, kind, key, c)
             for p in self.pooled.values()
             for kind, contrasts in (("groups", p.differences), ("sessions", p.changes))
             for key, c in contrasts.items()
         ]
-        asked = [each for each in told if each[0].asked]
-        if not told:
+        asked = [each for each in comparisons if each[0].asked]
+        if not comparisons:
             return "There are no two groups, and no two sessions, of three legs each to compare."
         if asked:
             return " ".join(_said(*each) for each in asked[:_MOST_SAID])
-        return _said(*min(told, key=lambda each: each[3].p))
+        return _said(*min(comparisons, key=lambda each: each[3].p))
 
     def as_table(self) -> TextTable:
         """Every group, then differences and changes that are shown, and who is left out."""

@@ -125,33 +125,33 @@ def against(result: ForeignResult, leg: LegInModel, inputs: ModelInputs) -> Agai
     lag = max(reached, key=lambda each: reached[each])
     scene = scenes[lag]
     r2 = reached[lag]
-    told = []
+    lengths = []
     for head in leg.heads:
         for parameter in _LENGTHS:
-            told.append(_told(scene, numbers, head.name, parameter, r2))
-    return AgainstRecording(inputs.where, r2, lag, tuple(told))
+            lengths.append(_told(scene, numbers, head.name, parameter, r2))
+    return AgainstRecording(inputs.where, r2, lag, tuple(lengths))
 
 
 def _numbers(result: ForeignResult, leg: LegInModel) -> dict[str, _Numbers]:
     """Numbers of each head: the result's, and of what it has not, the model's."""
-    own = {(v.muscle, v.parameter): v.value for v in result.values}
+    given = {(v.muscle, v.parameter): v.value for v in result.values}
     parts = any(v.generic == 1.0 and v.parameter in _LENGTHS for v in result.values)
     numbers = {}
     for head in leg.heads:
         fibre = head.fibre
         slack = head.value("tendon_slack_length")
         scale = (fibre, slack) if parts else (1.0, 1.0)
-        strain = own.get((head.name, "tendon_strain"), _STRAIN)
+        strain = given.get((head.name, "tendon_strain"), _STRAIN)
         if result.program in _RIGID or head.node.said("ignore_tendon_compliance") == "true":
             strain = 0.0
         numbers[head.name] = _Numbers(
-            own.get((head.name, "optimal_fiber_length"), fibre / scale[0]) * scale[0],
-            own.get((head.name, "tendon_slack_length"), slack / scale[1]) * scale[1],
-            own.get((head.name, "pennation_angle"), head.pennation),
-            own.get((head.name, "max_isometric_force"), head.value("max_isometric_force")),
+            given.get((head.name, "optimal_fiber_length"), fibre / scale[0]) * scale[0],
+            given.get((head.name, "tendon_slack_length"), slack / scale[1]) * scale[1],
+            given.get((head.name, "pennation_angle"), head.pennation),
+            given.get((head.name, "max_isometric_force"), head.value("max_isometric_force")),
             strain,
         )
-    if not {muscle for muscle, _ in own} & numbers.keys():
+    if not {muscle for muscle, _ in given} & numbers.keys():
         names = ", ".join(numbers)
         raise InputError(f"{result.path}: it has none of the leg's muscles ({names})")
     return numbers
@@ -204,9 +204,9 @@ class _Scene:
             columns = []
             passive = np.zeros_like(self.torque)
             for head in self.heads:
-                active, own = self._force(head.name, numbers[head.name], forces[head.name])
+                active, tissue = self._force(head.name, numbers[head.name], forces[head.name])
                 arm = self.arm[head.name]
-                passive += arm * own
+                passive += arm * tissue
                 columns += [arm * active * self.drive[c] for c in _EMG[head.kind]]
             matrix = np.stack([*columns, *self.beside], axis=1)
             low = [*[0.0] * len(columns), *_BESIDE[0]]
@@ -239,8 +239,8 @@ class _Scene:
         forces = {}
         column = 0
         for head in self.heads:
-            active, own = self._force(head.name, numbers[head.name], before[head.name])
-            total = own
+            active, passive = self._force(head.name, numbers[head.name], before[head.name])
+            total = passive
             for channel in _EMG[head.kind]:
                 total = total + solved[column] * self.drive[channel] * active
                 column += 1
@@ -259,8 +259,8 @@ def _told(
     unit = value if field == "fibre" else of.fibre
 
     def changed(part: float) -> float:
-        own = replace(of, **{field: value + (part - 1.0) * unit})
-        return scene.r2({**numbers, name: own})
+        moved = replace(of, **{field: value + (part - 1.0) * unit})
+        return scene.r2({**numbers, name: moved})
 
     drop = r2 - max(changed(1.0 - _CHANGE), changed(1.0 + _CHANGE))
     tried: Sequence[tuple[float, float]] = [(changed(part), part) for part in _PARTS]

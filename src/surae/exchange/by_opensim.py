@@ -67,9 +67,9 @@ def measured(
             each.setValue(state, pose[each.getName()], False)
     turned = coordinates.get(coordinate)
     of = model.getMuscles().get(muscle)
-    found = []
+    lengths = []
     for value in values:
         turned.setValue(state, value, False)
         model.realizePosition(state)
-        found.append(float(of.getLength(state)))
-    return {"lengths": found}
+        lengths.append(float(of.getLength(state)))
+    return {"lengths": lengths}

@@ -142,13 +142,13 @@ def _fitted_group(
     arm = np.array([leg.hold(group, at).arm for at in degrees.tolist()])
     lengths = [CubicSpline(wide, into.length_there(head, wide)) for head in heads]
     arms = [length.derivative() for length in lengths]
-    for head, own in zip(heads, arms, strict=True):
-        if np.any(own(angle) * np.sign(arm) <= 0.0):
+    for head, arm_of in zip(heads, arms, strict=True):
+        if np.any(arm_of(angle) * np.sign(arm) <= 0.0):
             raise InputError(
                 f"{into.where}: muscle {head.name!r} turns its moment arm round within the range "
                 "that was moved"
             )
-    parts = [head.share * arm / own(angle) for head, own in zip(heads, arms, strict=True)]
+    parts = [head.share * arm / arm_of(angle) for head, arm_of in zip(heads, arms, strict=True)]
     held = [held_group(leg, group, degrees, length(angle)) for length in lengths]
     peaks = [h.peak * float(np.mean(part)) for h, part in zip(held, parts, strict=True)]
     whole = sum(head.value("max_isometric_force") for head in heads)
@@ -177,9 +177,9 @@ def _fitted_group(
             replace(muscle, peak=muscle.peak * exact),
             MuscleTissue.fitted(length(angle), of_group.tissue * part),
             length,
-            own,
+            arm_of,
         )
-        for head, muscle, of_group, part, length, own in zip(
+        for head, muscle, of_group, part, length, arm_of in zip(
             heads, muscles, held, parts, lengths, arms, strict=True
         )
     ]
@@ -208,11 +208,11 @@ def _held_still(
     """Root mean square of the difference held still, and the largest torque of ours [Nm]."""
     angle = np.radians(degrees)
     still = np.zeros_like(angle)
-    own = {}
+    ours = {}
     there = {}
     for group in GROUPS:
         states = np.linspace(0.0, min(_most(leg, group, peaks[group]), 1.0), 5)
-        own[group] = np.array(
+        ours[group] = np.array(
             [
                 [leg.hold(group, at, s * peaks[group]).torque for at in degrees.tolist()]
                 for s in states.tolist()
@@ -224,7 +224,7 @@ def _held_still(
                 for s in states.tolist()
             ]
         )
-    both = own["tri"][:, None] + own["tib"][None]
+    both = ours["tri"][:, None] + ours["tib"][None]
     apart = both - there["tri"][:, None] - there["tib"][None]
     return _rms(apart), float(np.abs(both).max())
 

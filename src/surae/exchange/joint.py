@@ -211,8 +211,8 @@ def joint_of(leg: Leg, moved: tuple[float, float], *, springs: bool) -> JointMod
         ours.append(arm * (held.tissue + active))
         shares = (0.0, *held.states / held.peak)
         theirs.append(np.stack([muscle.torque(angle, still, still + s) for s in shares]))
-    own = ours[0][:, None] + ours[1][None]
-    apart = own - theirs[0][:, None] - theirs[1][None]
+    together = ours[0][:, None] + ours[1][None]
+    apart = together - theirs[0][:, None] - theirs[1][None]
     of = leg.values.get
     missing = tuple(
         p.name
@@ -234,7 +234,7 @@ def joint_of(leg: Leg, moved: tuple[float, float], *, springs: bool) -> JointMod
         (muscles[0], muscles[1]),
         beside,
         _rms(apart),
-        float(np.abs(own).max()),
+        float(np.abs(together).max()),
         missing,
         _apart(leg, bare) if missing and leg.inputs else 0.0,
     )

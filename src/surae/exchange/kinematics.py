@@ -119,8 +119,8 @@ class Skeleton:
         for _ in range(_LONGEST):
             if name in self.bodies or name == _GROUND or name not in self.frames:
                 break
-            name, own = self.frames[name]
-            at = own @ at
+            name, placed = self.frames[name]
+            at = placed @ at
         return name, at
 
     def chain(self, body: str) -> tuple[str, ...]:
@@ -170,15 +170,15 @@ def _frame(node: Node) -> FloatArray:
 def _joints(model: Node, bodies: Sequence[Node]) -> list[tuple[Node, str]]:
     """Joints, each with the body that it stands in; empty in format 4."""
     listed = model.find("JointSet")
-    own = [
+    joints = [
         (joint, "")
         for joint in (() if listed is None else listed.all())
         if joint.tag.endswith(_JOINT) and joint.find("socket_parent_frame") is not None
     ]
     for body in bodies:
         within = body.find(_JOINT)
-        own += [(joint, body.name) for joint in (within.children if within else ())]
-    return own
+        joints += [(joint, body.name) for joint in (within.children if within else ())]
+    return joints
 
 
 def _joint(
@@ -207,10 +207,10 @@ def _socket(
 ) -> tuple[str, FloatArray]:
     """The body that a joint's frame lies on, and where."""
     name = last(node.said(socket))
-    own = {
+    offsets = {
         f.name: (last(f.said("socket_parent")), _frame(f)) for f in node.all("PhysicalOffsetFrame")
     }
-    return own.get(name) or frames.get(name) or (name, np.eye(4))
+    return offsets.get(name) or frames.get(name) or (name, np.eye(4))
 
 
 _Amounts = tuple[tuple[FloatArray, Function], ...]

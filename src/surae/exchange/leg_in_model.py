@@ -128,11 +128,11 @@ class LegInModel:
         for name in self._moving:
             body = self.skeleton.bodies[name]
             where = (at[name] @ np.array([*body.centre, 1.0]))[:3] - on
-            own = at[name][:3, :3] @ body.inertia @ at[name][:3, :3].T
+            about_centre = at[name][:3, :3] @ body.inertia @ at[name][:3, :3].T
             across = where - (where @ axis) * axis
             mass += body.mass
             centre += body.mass * where
-            inertia += float(axis @ own @ axis) + body.mass * float(across @ across)
+            inertia += float(axis @ about_centre @ axis) + body.mass * float(across @ across)
         return mass, centre / max(mass, 1e-12), inertia, axis
 
     def length_there(self, head: Head, angle: FloatArray) -> FloatArray:
@@ -201,7 +201,7 @@ def leg_in_model(
     letter = SIDES[side]
     coordinate = _ankle(skeleton, letter, where)
     posed = _posed(skeleton, pose or {}, where)
-    found = _heads(muscles_of(root, where), skeleton, letter, where)
+    heads = _heads(muscles_of(root, where), skeleton, letter, where)
     joint = next(
         (
             j.name
@@ -221,14 +221,14 @@ def leg_in_model(
         coordinate,
         f"/jointset/{joint}/{coordinate}",
         1.0,
-        found,
+        heads,
         posed,
         (),
     )
     here = np.zeros(1)
-    soleus = float(leg.arm(next(h for h in found if h.group == "tri"), here)[0])
+    soleus = float(leg.arm(next(h for h in heads if h.group == "tri"), here)[0])
     sign = 1.0 if soleus > 0.0 else -1.0
-    for head in found:
+    for head in heads:
         arm = float(leg.arm(head, here)[0]) * sign * (1.0 if head.group == "tri" else -1.0)
         if arm < _LEAST:
             raise InputError(
@@ -259,7 +259,7 @@ def _posed(skeleton: Skeleton, pose: Mapping[str, float], where: str) -> dict[st
 
 
 def _heads(muscles: list[Node], skeleton: Skeleton, letter: str, where: str) -> tuple[Head, ...]:
-    found = []
+    made = []
     for group, kinds in _HEADS.items():
         nodes = {
             kind: node
@@ -273,21 +273,21 @@ def _heads(muscles: list[Node], skeleton: Skeleton, letter: str, where: str) -> 
             raise InputError(f"{where}: no muscle is the {what} of this side; muscles: {some}")
         heads = [Head(group, k, n, path_of(n, skeleton), 0.0) for k, n in nodes.items()]
         whole = sum(h.value("max_isometric_force") for h in heads)
-        found += [
+        made += [
             Head(group, h.kind, h.node, h.path, h.value("max_isometric_force") / whole)
             for h in heads
         ]
-    return tuple(found)
+    return tuple(made)
 
 
 def _crossing(leg: LegInModel, muscles: list[Node]) -> tuple[str, ...]:
     """Muscles beside the leg's own whose path goes from before the ankle to beyond it."""
     beyond = set(leg.skeleton.beyond(leg.coordinate))
-    own = {head.name for head in leg.heads}
+    heads = {head.name for head in leg.heads}
     crossing = []
     for node in muscles:
         geometry = node.find("GeometryPath")
-        if node.name in own or geometry is None:
+        if node.name in heads or geometry is None:
             continue
         frames = [
             p.said("socket_parent_frame", "body")

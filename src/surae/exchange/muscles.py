@@ -200,14 +200,14 @@ class HeldMuscle:
             return np.concatenate(apart if self.weight is None else apart * self.weight)
 
         ends = [least_squares(missing, start, bounds=bounds) for start in starts]
-        found = min(ends, key=lambda end: float(end.cost)).x
-        muscle = of(found)
+        numbers = min(ends, key=lambda end: float(end.cost)).x
+        muscle = of(numbers)
         if not isinstance(muscle, DeGrooteMuscle):
             return muscle
         used = muscle.strain > 0.0
         at_limit = tuple(
             name
-            for name, at, low, high in zip(_NUMBERS, found, *bounds, strict=True)
+            for name, at, low, high in zip(_NUMBERS, numbers, *bounds, strict=True)
             if min(at - low, high - at) < _AT_LIMIT * (high - low) and (used or name != _NUMBERS[3])
         )
         return replace(muscle, at_limit=at_limit)

@@ -71,13 +71,13 @@ def judged(result: ForeignResult) -> tuple[JudgedValue, ...]:
 
 
 def with_recording(
-    values: Sequence[JudgedValue], told: AgainstRecording
+    values: Sequence[JudgedValue], recorded: AgainstRecording
 ) -> tuple[JudgedValue, ...]:
     """Values with what a recording says against them."""
-    verdicts = told.verdicts()
+    verdicts = recorded.verdicts()
     against = {
         (each.muscle, each.parameter): each
-        for each in told.told
+        for each in recorded.told
         if verdicts[each.muscle, each.parameter] == "contradicted"
     }
     made = []

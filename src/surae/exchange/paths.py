@@ -183,8 +183,8 @@ def _touching(
     start: FloatArray, stop: FloatArray, frame: FloatArray, cylinder: Cylinder
 ) -> tuple[FloatArray, FloatArray, float] | None:
     """Where a string first and last touches a cylinder, and its length between the two [m]."""
-    own = np.linalg.inv(frame)
-    way = cylinder.between((own @ start)[:3], (own @ stop)[:3])
+    inverse = np.linalg.inv(frame)
+    way = cylinder.between((inverse @ start)[:3], (inverse @ stop)[:3])
     if not way:
         return None
     first, second, (_, turned) = way
@@ -241,10 +241,10 @@ def _moving(node: Node, axis: str) -> Function:
     within = node.find(f"{axis}_location")
     name = last(node.said(f"socket_{axis}_coordinate", f"{axis}_coordinate"))
     if within is None:  # format 4: the function itself, by its name
-        own = next((c for c in node.children if c.name == f"{axis}_location"), None)
-        if own is None:
+        location = next((c for c in node.children if c.name == f"{axis}_location"), None)
+        if location is None:
             raise InputError(f"moving path point {node.name!r} has no {axis}_location")
-        within = Node("", {}, 0, children=[own])
+        within = Node("", {}, 0, children=[location])
     return function_of(within, (name,))
 
 

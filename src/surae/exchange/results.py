@@ -93,17 +93,17 @@ def _file_of(path: Path) -> Path:
     """The file itself, or the one result in a folder."""
     if not path.is_dir():
         return path
-    found = [
+    files = [
         each
         for pattern in _FOLDER
         for each in sorted(path.rglob(pattern))
         if each.is_file() and not is_link(each)
     ]
-    if not found:
+    if not files:
         raise InputError(
             f"{shown(path)}: no result is in this folder ({', '.join(_FOLDER)}); name the file"
         )
-    return found[0]
+    return files[0]
 
 
 def _of_model(root: Node, where: str, path: str) -> ForeignResult:

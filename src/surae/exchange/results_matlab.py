@@ -81,11 +81,11 @@ def _values(param: Mapping[str, Any], names: list[str]) -> "list[dict[str, Any]]
     made = []
     bounds = param.get("Bound", {})
     for name, ours in _NAMES.items():
-        found = _vector(param["Estimated"], name)
+        estimated = _vector(param["Estimated"], name)
         began = _vector(param.get("Original", {}), name)
         limits = bounds.get(name, {}) if isinstance(bounds, Mapping) else {}
         low, high = (_vector(limits, end) for end in ("lb", "ub"))
-        for place, value in enumerate(found[:_MOST].tolist()):
+        for place, value in enumerate(estimated[:_MOST].tolist()):
             generic = float(began[place]) if place < len(began) else None
             known = generic is not None and name in _SCALED and len(low) and len(high)
             fixed = known and value == generic  # what was not searched for has its own limits, 1

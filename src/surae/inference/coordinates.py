@@ -42,9 +42,9 @@ class Coordinates:
             [problem.spec.names.index(n) for n in names]
             for names in (self.names, self.per_recording)
         )
-        own = [problem.free.index(n) for n in self.names]
-        self._lower = problem.lower[own]
-        self._upper = problem.upper[own]
+        columns = [problem.free.index(n) for n in self.names]
+        self._lower = problem.lower[columns]
+        self._upper = problem.upper[columns]
         self._log = ~straight(self.names)
         #: Stiffness and lengths of filmed muscles are searched along the assumed path.
         self.metres = OwnMetres.of(problem)
@@ -79,15 +79,15 @@ class Coordinates:
         """Coordinates of the same recordings taken over; means of the priors of what is new."""
         known = dict(zip(_numbered(other.of), z, strict=True))
         new = zip(_numbered(self.of), self.mean, strict=True)
-        own = np.array([known.get(key, mean) for key, mean in new])
-        return np.asarray(np.clip(own, self.lower, self.upper))
+        values = np.array([known.get(key, mean) for key, mean in new])
+        return np.asarray(np.clip(values, self.lower, self.upper))
 
     def values(self, z: FloatArray, number: int | None = None) -> FloatArray:
         """The whole parameter vector; of one recording, or with the mean of what each has."""
-        own = z[: len(self.names)]
+        shared = z[: len(self.names)]
         values = self.problem.base.copy()
         with np.errstate(over="ignore"):
-            natural = np.where(self._log, np.exp(own), own)
+            natural = np.where(self._log, np.exp(shared), shared)
         values[self.columns] = np.clip(natural, self._lower, self._upper)
         if self.per_recording:
             each = self.each(z)
@@ -101,8 +101,8 @@ class Coordinates:
     def of_recording(self, number: int) -> npt.NDArray[np.int64]:
         """Where among the coordinates those are that move a recording: shared ones, its own."""
         shared = len(self.names)
-        own = len(self.per_recording)
-        return np.append(np.arange(shared), shared + number * own + np.arange(own))
+        each = len(self.per_recording)
+        return np.append(np.arange(shared), shared + number * each + np.arange(each))
 
     def by_name(self, z: FloatArray, number: int | None = None) -> dict[str, float]:
         """All parameters by name."""

@@ -120,10 +120,10 @@ def subsets(
     by = V[at] / np.outer(sd[at], sd)
     away = (values - mode[at]) / sd[at]
     both = held[:, :, None] & held[:, None, :]
-    own = np.where(both, by[:, at], np.eye(len(at)))
-    inverse = np.where(both, np.linalg.inv(own), 0.0)
+    within = np.where(both, by[:, at], np.eye(len(at)))
+    inverse = np.where(both, np.linalg.inv(within), 0.0)
     pulled = inverse @ away
-    evidence = least + pulled @ away + np.linalg.slogdet(own)[1]
+    evidence = least + pulled @ away + np.linalg.slogdet(within)[1]
     evidence += held @ (2.0 * np.log(sd[at] * weight) - (weight * (values - mean)) ** 2)
     evidence -= [2.0 * sum(np.log((odds or {}).get(g, 1.0)) for g in chosen) for chosen in sets]
     modes = mode + sd * (pulled @ by)

@@ -82,8 +82,8 @@ def disagreements(
     slopes += _other_holds(fit, [t for t in trials if t.trial.hold and t.trial.effort == "passive"])
     single = [
         reason
-        for name, own in alone.items()
-        if own is not fit and (reason := _other_stiffness(fit, name, own))
+        for name, by_itself in alone.items()
+        if by_itself is not fit and (reason := _other_stiffness(fit, name, by_itself))
     ]
     left_out = list(_missed(trials))
     wrong = [against("error-stands", trial=name, what=what) for name, what in errors.items()]
@@ -210,8 +210,8 @@ def _followed(fit: AssessedFit, trial: AskedTrial) -> Iterator[tuple[ModelInputs
         if trial.predictions:
             yield part, trial.predictions[number].torque
             continue
-        for own, left in pairs:
-            if same_signals(own, part):
+        for recording, left in pairs:
+            if same_signals(recording, part):
                 yield part, part.torque - left
 
 
@@ -257,12 +257,12 @@ def _half_width(fit: AssessedFit, angle: float) -> float | None:
     return max(known.half_width(on_device), _LITTLE * abs(there.value))
 
 
-def _other_stiffness(fit: AssessedFit, name: str, own: AssessedFit) -> Reason | None:
+def _other_stiffness(fit: AssessedFit, name: str, alone: AssessedFit) -> Reason | None:
     """Where a trial's own fit has another stiffness than all together, over the range of both."""
-    if own.assessment.adequacy.grade is Grade.INADEQUATE:
+    if alone.assessment.adequacy.grade is Grade.INADEQUATE:
         return None
-    end = common_end(each.result for each in (fit, own))
-    both = [quantities(each, (), end, (_COMPARED,)).by_name.get(_COMPARED) for each in (fit, own)]
+    end = common_end(each.result for each in (fit, alone))
+    both = [quantities(each, (), end, (_COMPARED,)).by_name.get(_COMPARED) for each in (fit, alone)]
     together, by_itself = (None if q is None else _interval(q) for q in both)
     if together is None or by_itself is None:
         return None

@@ -36,8 +36,8 @@ def relaxed_of(result: FitResult) -> RelaxedCurve | Message:
 def rest_of_fit(fit: AssessedFit) -> RelaxedCurve | Message:
     """The relaxed curve of a fit's recordings, doubted where one of them has an error."""
     names = {each.name.partition(",")[0] for each in fit.result.problem.inputs}
-    own = [r for r in fit.assessment.adequacy.against if r.values.get("trial") in names]
-    return doubted_at_rest(relaxed_of(fit.result), own)
+    reasons = [r for r in fit.assessment.adequacy.against if r.values.get("trial") in names]
+    return doubted_at_rest(relaxed_of(fit.result), reasons)
 
 
 def doubted_at_rest(
@@ -67,16 +67,16 @@ def measures_at(
     zero = math.degrees(result.values.get("angle_zero", 0.0))
     rated = [m for m in rated_measures(curve, angles, end - zero) if m.measure.value is not None]
     with_sdc = with_detectable_changes([each.measure for each in rated], curve, angles)
-    told = (replace(each, measure=m) for each, m in zip(rated, with_sdc, strict=True))
-    return tuple(_turned(each, zero) for each in told)
+    judged = (replace(each, measure=m) for each, m in zip(rated, with_sdc, strict=True))
+    return tuple(_turned(each, zero) for each in judged)
 
 
-def _turned(told: RestMeasure, zero: float) -> RestMeasure:
+def _turned(rest: RestMeasure, zero: float) -> RestMeasure:
     """A measure over a range whose angles have the fit's zero [deg] in them."""
-    m = told.measure
+    m = rest.measure
     if not zero or m.from_deg is None or m.to_deg is None:
-        return told
-    return replace(told, measure=replace(m, from_deg=m.from_deg + zero, to_deg=m.to_deg + zero))
+        return rest
+    return replace(rest, measure=replace(m, from_deg=m.from_deg + zero, to_deg=m.to_deg + zero))
 
 
 def rest_said(curve: RelaxedCurve | Message, conflict: Message | None = None) -> RestSaid:

@@ -176,8 +176,8 @@ def disputed(evaluated: Evaluated, fit: AssessedFit) -> Message | None:
     if not evaluated.point.definition.is_at_rest:
         return None
     against = fit.assessment.adequacy.against
-    told = (reason for reason in against if reason.code in OF_STIFFNESS)
-    first = next(told, None)
+    disputes = (reason for reason in against if reason.code in OF_STIFFNESS)
+    first = next(disputes, None)
     return None if first is None else Message("measure/disputed", reason=first.says)
 
 

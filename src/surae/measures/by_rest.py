@@ -43,11 +43,11 @@ def two_tissues(fit: AssessedFit) -> Message | None:
     (torque,) = (each for each in DEFINITIONS if each.name == "slow_torque")
     at = [MeasurePoint(torque, float(angle) + curve.zero_deg) for angle in angles]
     known = fit.assessment.uncertainty
-    told = evaluate(fit.result, known, at) if at and known.lost != known.names else ()
-    values = [each.value for each in told if each.value is not None and not each.missing]
-    if not told or len(values) < len(at):
+    evaluated = evaluate(fit.result, known, at) if at and known.lost != known.names else ()
+    values = [each.value for each in evaluated if each.value is not None and not each.missing]
+    if not evaluated or len(values) < len(at):
         return None
-    rows = np.array([np.where(np.array(known.names) == ZERO, 0.0, e.gradient) for e in told])
+    rows = np.array([np.where(np.array(known.names) == ZERO, 0.0, e.gradient) for e in evaluated])
     p = disagreement(curve, angles, values, rows @ known.covariance() @ rows.T)
     return Message("rest/two-tissues") if p < LEVEL else None
 
@@ -61,7 +61,7 @@ def doubted_by_rest(m: Measure, why: Message | None) -> Measure:
 
 
 def claimed_by_rest(
-    point: MeasurePoint, told: RestMeasure, size: int, *, assumed: bool
+    point: MeasurePoint, rest: RestMeasure, size: int, *, assumed: bool
 ) -> tuple[Evaluated, Measure]:
     """A measure by rest alone, which none of so many parameters moves.
 
@@ -69,11 +69,11 @@ def claimed_by_rest(
     lets go looks like one that does nothing, in whatever unit. Rest is `assumed` then, and nothing
     claimed.
     """
-    measure = told.measure
+    measure = rest.measure
     if assumed and measure.verdict is Verdict.IDENTIFIED:
         measure = replace(measure, verdict=Verdict.WEAK, note=Message("rest/no-effort"))
-    assert told.total is not None
-    assert told.session is not None
-    deviations = told.total, told.session
-    evaluated = Evaluated(point, told.measure.value, np.zeros(size), deviations=deviations)
+    assert rest.total is not None
+    assert rest.session is not None
+    deviations = rest.total, rest.session
+    evaluated = Evaluated(point, rest.measure.value, np.zeros(size), deviations=deviations)
     return evaluated, measure

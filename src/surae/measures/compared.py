@@ -122,11 +122,11 @@ def quantities(
             total, session, model = deviations
             bent = max(standard_error_of(m.ci95) / total if total > 0.0 else 1.0, 1.0)
             deviations = bent * total, bent * session, bent * model
-            own = Message(alone, worded) if alone else ""
+            reason = Message(alone, worded) if alone else ""
             unheard = _UNHEARD if np.any(evaluated.gradient[timing]) else ""
             doubt = disputed(evaluated, fit)
-            why = inadequate or doubt or own or unheard or extrapolated(evaluated, result) or ""
-            between = alone not in ("", ELECTRODES) and why is own
+            why = inadequate or doubt or reason or unheard or extrapolated(evaluated, result) or ""
+            between = alone not in ("", ELECTRODES) and why is reason
         by_name[m.name] = Quantity(
             m.name,
             m.unit,

@@ -79,8 +79,8 @@ def judged_measures(
         return measures_by_model(fit, wanted)
     angles = tuple(dict.fromkeys(p.at for p in wanted if p.definition.at == "deg"))
     end = next((p.at for p in wanted if p.definition.span), math.inf)
-    own = {each.measure.name: each for each in measures_at(curve, fit.result, angles, end)}
-    others = tuple(point for point in wanted if point.name not in own)
+    by_name = {each.measure.name: each for each in measures_at(curve, fit.result, angles, end)}
+    others = tuple(point for point in wanted if point.name not in by_name)
     why = two_tissues(fit)
     modelled = {
         each.point: (each, doubted_by_rest(m, why)) for each, m in measures_by_model(fit, others)
@@ -88,5 +88,6 @@ def judged_measures(
     size = len(fit.assessment.uncertainty.names)
     assumed = curve.is_declared
     return tuple(
-        modelled.get(p) or claimed_by_rest(p, own[p.name], size, assumed=assumed) for p in wanted
+        modelled.get(p) or claimed_by_rest(p, by_name[p.name], size, assumed=assumed)
+        for p in wanted
     )

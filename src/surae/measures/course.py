@@ -101,8 +101,10 @@ def rest_series(
     sides: list[dict[str, Measure]] = []
     for curve in curves:
         common = replace(curve, moved=moved)
-        told = with_detectable_changes(measures_of_rest(common, angles), common, angles, laid=False)
-        sides.append({m.name: m for m in told})
+        measures = with_detectable_changes(
+            measures_of_rest(common, angles), common, angles, laid=False
+        )
+        sides.append({m.name: m for m in measures})
     made = {}
     for name, first in sides[0].items():
         each = [side[name] for side in sides]
@@ -126,13 +128,13 @@ def strength_series(visits: Sequence[Sequence[Effort]]) -> Mapping[str, Series]:
         return {}
     made = {}
     for name, group in STRENGTH.items():
-        told = [strength_of(efforts, group) for efforts in visits]
+        strengths = [strength_of(efforts, group) for efforts in visits]
         made[name] = Series(
             name,
             "Nm",
             strength_meaning(group),
             "rest",
-            tuple(None if each is None else each.torque for each in told),
-            tuple(None if each is None else each.sd for each in told),
+            tuple(None if each is None else each.torque for each in strengths),
+            tuple(None if each is None else each.sd for each in strengths),
         )
     return made

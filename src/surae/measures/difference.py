@@ -65,9 +65,9 @@ def sentence_of(every: Sequence[Difference], looked: int, *, legs: bool) -> Mess
     """The answer: a sentence of each that was asked, else of what changed most clearly."""
     asked = [d for d in every if d.asked]
     if len(asked) > 1:
-        told = [_said_of(d, looked, legs=legs) for d in asked[:_MOST_SAID]]
-        said = told[0]
-        for each in told[1:]:
+        sentences = [_said_of(d, looked, legs=legs) for d in asked[:_MOST_SAID]]
+        said = sentences[0]
+        for each in sentences[1:]:
             said = Message("{said} {more}", said=said, more=each)
         return said
     lead = _lead(asked or [d for d in every if d.kind == "measure"])

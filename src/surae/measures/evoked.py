@@ -42,9 +42,9 @@ def evoked_share(leg: Leg, _: float) -> float:
         if not evoked.any():
             continue
         without = replace(inputs, emg=read_only(inputs.emg - evoked))
-        own = states[0]
+        activity = states[0]
         other = leg.spec.simulator(without, leg.options).activity(vector)[0]
-        share = np.divide(own - other, own, out=np.zeros(inputs.n), where=own > 0.0)
+        share = np.divide(activity - other, activity, out=np.zeros(inputs.n), where=activity > 0.0)
         answered += float(np.abs(share * parts.neural_tri).sum()) / inputs.rate_hz
     return 100.0 * answered / whole
 
@@ -81,8 +81,8 @@ def evoked_emg(inputs: ModelInputs) -> FloatArray:
         return read_only(evoked)
     late = _late(stretch, lags[best])
     for k in heads:
-        own = np.polynomial.Polynomial.fit(late[rest], emg[rest, k], 1).convert().coef
-        evoked[:, k] = np.clip(own[-1] * late if len(own) > 1 else 0.0, 0.0, emg[:, k])
+        trend = np.polynomial.Polynomial.fit(late[rest], emg[rest, k], 1).convert().coef
+        evoked[:, k] = np.clip(trend[-1] * late if len(trend) > 1 else 0.0, 0.0, emg[:, k])
     return read_only(evoked)
 
 

@@ -80,8 +80,8 @@ class Leg:
 
     def with_values(self, values: Mapping[str, float]) -> "Leg":
         """The leg with other values of some parameters, in the same recordings."""
-        own = {**self.values, **values}
-        return replace(self, values=own, _holds={}, _muscles={}, _angles={})
+        together = {**self.values, **values}
+        return replace(self, values=together, _holds={}, _muscles={}, _angles={})
 
     @property
     def is_compliant(self) -> bool:
@@ -100,8 +100,8 @@ class Leg:
 
     def optimal_length(self, group: str) -> float:
         """l0 [m]; of a model without one the length at 0 rad."""
-        own = self.values.get(f"l0_{group}")
-        return self.rigid_length(group, 0.0) if own is None else own
+        length = self.values.get(f"l0_{group}")
+        return self.rigid_length(group, 0.0) if length is None else length
 
     def rigid_length(self, group: str, degrees: float) -> float:
         """Length of muscle and tendon together beyond the tendon's slack length [m]."""
@@ -269,10 +269,10 @@ class Leg:
         if curve is None:
             elastic = muscle.elastic(x)
             (lift, lift_slope) = muscle.lift(x)
-            own = alpha * lift_slope
+            bridges = alpha * lift_slope
             force = relaxed * elastic + shift + alpha * lift
-            slow = relaxed * k * elastic + own
-            quick = k * elastic + own
+            slow = relaxed * k * elastic + bridges
+            quick = k * elastic + bridges
             return MuscleHold(force, slow, quick, x, 1.0, arm, slope, arm_slope, lift)
         step = (x, x, _STILL, relaxed, 0.0, alpha, 0.0)
         unit = (k, x0, l0, self.greatest_speed(group), *shape)
@@ -283,9 +283,9 @@ class Leg:
         stiff = here[3]
         elastic = muscle.elastic(x - e)
         lift, lift_slope = muscle.lift(x - e)
-        own = alpha * lift_slope
-        slow = relaxed * k * elastic + own
-        quick = k * elastic + own
+        bridges = alpha * lift_slope
+        slow = relaxed * k * elastic + bridges
+        quick = k * elastic + bridges
         return MuscleHold(
             force,
             series(stiff, slow),
@@ -375,11 +375,11 @@ class Leg:
 
     def passive_torque(self, degrees: Sequence[float], rate_hz: float) -> FloatArray:
         """Passive torque [Nm] of a leg without activity that is turned so, shape (n,)."""
-        own = (*(n for n in self.spec.optional if n.startswith(_OF_LEG)), "angle_zero")
+        optional = (*(n for n in self.spec.optional if n.startswith(_OF_LEG)), "angle_zero")
         tissue = self.options.tissue
         bare = self.options if tissue is None else replace(self.options, tissue=None)
         names, simulator = tied_to_angles(
-            self.spec.name, own, bare, tuple(degrees), rate_hz, self._second
+            self.spec.name, optional, bare, tuple(degrees), rate_hz, self._second
         )
         values = {**self.values, "m": 0.0, "angle_zero": self.values.get(ZERO, 0.0)}  # no limb
         torque = simulator.torque(np.array([values[name] for name in names]))

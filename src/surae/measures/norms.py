@@ -89,8 +89,8 @@ def read_norms(path: PathLike | None = None, joint: Joint = ANKLE) -> tuple[Norm
     """
     if path is None and joint != ANKLE:
         return ()
-    own = files("surae.measures").joinpath("norms.toml")
-    with as_file(own) as ours:
+    shipped = files("surae.measures").joinpath("norms.toml")
+    with as_file(shipped) as ours:
         given = ours if path is None else path
         return from_file(_Norms, given, read_toml(given)).norm
 
@@ -116,14 +116,14 @@ def placed(measures: Measures, norms: Sequence[Norm]) -> tuple[Placed, ...]:
     among = []
     for norm in norms:
         m = measures.get(norm.measure)
-        told = (Verdict.IDENTIFIED, Verdict.WEAK)
-        usable = m is not None and m.verdict in told and m.unit == norm.unit
+        known_well = (Verdict.IDENTIFIED, Verdict.WEAK)
+        usable = m is not None and m.verdict in known_well and m.unit == norm.unit
         if m is None or not usable or m.value is None or m.ci95 is None:
             continue
         if m.basis == "model" and measures.adequacy.grade is Grade.INADEQUATE:
             continue
-        own = standard_error_of(m.ci95)
-        scale = math.sqrt(norm.sd**2 * (1.0 + 1.0 / norm.n) + own**2)
+        sd = standard_error_of(m.ci95)
+        scale = math.sqrt(norm.sd**2 * (1.0 + 1.0 / norm.n) + sd**2)
         below = float(stdtr(norm.n - 1, (m.value - norm.mean) / scale))
         between = None
         if m.verdict is Verdict.WEAK:

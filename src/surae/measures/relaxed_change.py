@@ -155,14 +155,14 @@ def remounting(first: RelaxedCurve, others: Sequence[RelaxedCurve]) -> float:
         One standard deviation. A leg that has not changed has its curve elsewhere on the device
         for nothing but its mounting.
     """
-    told = []
+    shifts_of = []
     for other in others:
         alignment = laid_pairs(first, other)[1]
         if alignment is not None and alignment.is_one_form:
             density = alignment.shifts(sized=False)
             mean = float(density @ SHIFTS)
-            told.append((mean, float(density @ (SHIFTS - mean) ** 2)))
-    return remounted_by([each for each, _ in told], [each for _, each in told])
+            shifts_of.append((mean, float(density @ (SHIFTS - mean) ** 2)))
+    return remounted_by([each for each, _ in shifts_of], [each for _, each in shifts_of])
 
 
 def with_detectable_changes(

@@ -81,11 +81,11 @@ def strength_of(efforts: Sequence[Effort], group: str) -> Strength | None:
         Of efforts near the best one's angle. Its variance is that from day to day, and that of the
         largest of so many efforts: s²·c(n), s their scatter, shrunk towards what efforts have.
     """
-    own = [each for each in efforts if each.group == group]
-    if not own:
+    of_group = [each for each in efforts if each.group == group]
+    if not of_group:
         return None
-    best = max(own, key=lambda each: each.torque)
-    near = [each.torque for each in own if abs(each.angle - best.angle) <= _APART]
+    best = max(of_group, key=lambda each: each.torque)
+    near = [each.torque for each in of_group if abs(each.angle - best.angle) <= _APART]
     n = len(near)
     if n == 1:
         return Strength(best.torque, best.torque * math.hypot(_DAYS, _SINGLE), best.angle, 1)

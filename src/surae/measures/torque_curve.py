@@ -98,8 +98,8 @@ def measured_slope(
         if np.isfinite(slopes[2]):
             low, high = sorted(slopes[:2])
             ends = (low, high) if np.isfinite(low + high) else None
-            own = each.angle[near]
-            return MeasuredSlope(slopes[2], ends, float(own.min()), float(own.max()), 0)
+            angles = each.angle[near]
+            return MeasuredSlope(slopes[2], ends, float(angles.min()), float(angles.max()), 0)
     return None
 
 

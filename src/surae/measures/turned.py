@@ -12,14 +12,14 @@ from surae.signals import ModelInputs
 @lru_cache(maxsize=8)
 def tied_to_angles(
     model: str,
-    own: tuple[str, ...],
+    optional: tuple[str, ...],
     options: ModelOptions,
     degrees: tuple[float, ...],
     rate_hz: float,
     second: float | None,
 ) -> tuple[tuple[str, ...], Simulator]:
     """A model's parameters, and the model tied to a leg without activity that is turned so."""
-    spec = with_optional(get_model(model), own)
+    spec = with_optional(get_model(model), optional)
     angle = np.array(degrees) * (np.pi / 180.0)
     n = len(angle)
     velocity = np.gradient(angle, 1.0 / rate_hz)

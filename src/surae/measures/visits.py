@@ -97,15 +97,15 @@ def _draft(series: Series, times: Sequence[float], kind: str = "measure") -> Dif
     """The difference along the line, not yet judged."""
     trend = trend_of(times, series)
     order = sorted(range(len(times)), key=lambda k: times[k])
-    told = [series.values[k] for k in order if series.values[k] is not None]
+    values = [series.values[k] for k in order if series.values[k] is not None]
     why = Message("change/few-visits", n=FEWEST)
     return Difference(
         series.name,
         series.unit,
         series.meaning,
         kind,
-        told[0] if told else None,
-        told[-1] if told else None,
+        values[0] if values else None,
+        values[-1] if values else None,
         None if trend is None else trend.difference,
         None if trend is None else trend.ci95,
         None if trend is None else Student(trend.difference, trend.sd, _MANY).p,
@@ -124,30 +124,30 @@ def _kind(name: str, visits: Sequence[Quantities]) -> str:
 
 def _of_fits(name: str, visits: Sequence[Quantities]) -> tuple[Series | None, str]:
     """What fits tell of a measure at every visit, and why to doubt it; None where they cannot."""
-    told = [side.by_name.get(name) for side in visits]
-    first = next((k for k, each in enumerate(told) if each is not None), 0)
-    own = told[first]
+    measured = [side.by_name.get(name) for side in visits]
+    first = next((k for k, each in enumerate(measured) if each is not None), 0)
+    usual = measured[first]
     values: list[float | None] = []
     sems: list[float | None] = []
     doubt = ""
-    for side, each in zip(visits, told, strict=True):
+    for side, each in zip(visits, measured, strict=True):
         sem = math.nan if each is None else SCATTER * math.hypot(each.session, each.model)
-        usable = each is not None and not obstacle(visits[first], side, own, each)
+        usable = each is not None and not obstacle(visits[first], side, usual, each)
         usable = usable and math.isfinite(sem) and sem > 0.0
         values.append(each.value if usable and each is not None else None)
         sems.append(sem if usable else None)
         if usable and side is not visits[first]:
             doubt = doubt or doubt_of(name, visits[first], side, legs=False) or ""
-    if own is None or all(value is None for value in values):
+    if usual is None or all(value is None for value in values):
         return None, ""
     made = Series(
         name,
-        own.unit,
-        own.meaning,
-        own.basis,
+        usual.unit,
+        usual.meaning,
+        usual.basis,
         tuple(values),
         tuple(sems),
-        own.from_deg,
-        own.to_deg,
+        usual.from_deg,
+        usual.to_deg,
     )
     return made, doubt

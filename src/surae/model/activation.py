@@ -211,14 +211,14 @@ class ActivationFilter:
             for row, k in enumerate(by_filter, count):
                 slopes[row] += rows[1 + k]
             if drive.delay_column >= 0:
-                own = slopes[len(columns) : len(columns) + 1]
+                filled = slopes[len(columns) : len(columns) + 1]
                 at = self.instants(drive.delay or 0.0)
-                _respond(drive.signal[None], drive.signal[:1], *at, 1, np.zeros((0, 0)), own)
-                own *= -2.0 * math.pi * self._f0  # −α'
+                _respond(drive.signal[None], drive.signal[:1], *at, 1, np.zeros((0, 0)), filled)
+                filled *= -2.0 * math.pi * self._f0  # −α'
                 columns.append(drive.delay_column)
             if drive.slopes:
-                own = slopes[len(columns) : len(columns) + len(drive.slopes)]
-                self._respond(np.stack([by for _, by in drive.slopes]), drive.delay, own)
+                filled = slopes[len(columns) : len(columns) + len(drive.slopes)]
+                self._respond(np.stack([by for _, by in drive.slopes]), drive.delay, filled)
                 columns += [column for column, _ in drive.slopes]
         of = np.array([*columns, *(self._columns[k] for k in by_filter)], dtype=np.int64)
         return ActiveState(sum(shares[1:], start=shares[0]), slopes, of, tuple(shares))
@@ -266,11 +266,11 @@ def _steps(
             back = back + 1
             after = after + dt
         share = after / dt
-        own = np.stack([filter_step(f0, beta, dt), filter_step(f0, beta, after)])
+        pair = np.stack([filter_step(f0, beta, dt), filter_step(f0, beta, after)])
         # from the inputs at both ends of the sample to those at both ends of its part
-        own[1, :, :, 2] += (1.0 - share) * own[1, :, :, 3]
-        own[1, :, :, 3] *= share
-        steps.append(own)
+        pair[1, :, :, 2] += (1.0 - share) * pair[1, :, :, 3]
+        pair[1, :, :, 3] *= share
+        steps.append(pair)
         whole.append(back)
     return np.stack(steps), np.array(whole)
 

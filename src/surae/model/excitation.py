@@ -171,16 +171,16 @@ class Excitation:
             unmixed = OfEnvelopes.of(heard, mixing)
         else:
             unmixed = OfEnvelopes(heard, mixing)
-        own = unmixed.envelopes
+        envelopes = unmixed.envelopes
         later: FloatArray | float = 0.0
         if self._by_release is not None:
             later = self._value(values, "release") * self._by_release
         if self._reference is None:
-            return _Envelopes(own + later, unmixed)
-        n = own.shape[1] // 2
+            return _Envelopes(envelopes + later, unmixed)
+        n = envelopes.shape[1] // 2
         curved, by_own, by_smooth, by_shape, by_power = shaped(
-            np.ascontiguousarray(own[:, :n]),
-            np.ascontiguousarray(own[:, n:]),
+            np.ascontiguousarray(envelopes[:, :n]),
+            np.ascontiguousarray(envelopes[:, n:]),
             self._reference,
             self._value(values, "emg_shape"),
             self._value(values, "emg_power"),
@@ -252,11 +252,13 @@ class Excitation:
                 continue
             gain = float(values[at[name]])
             tissue = [at[n] for n in _TISSUE[group] if n in at]
-            answered, by_speed, by_length, own = law(muscle, values[tissue])
+            answered, by_speed, by_length, by_tissue = law(muscle, values[tissue])
             signal += gain * answered
             moving = zip(leg.columns, muscle.speed_slopes, muscle.length_slopes, strict=True)
             slopes += [(c, gain * (by_speed * v + by_length * x)) for c, v, x in moving]
-            slopes += [(c, gain * by) for c, by in zip(tissue, own, strict=False) if c in wanted]
+            slopes += [
+                (c, gain * by) for c, by in zip(tissue, by_tissue, strict=False) if c in wanted
+            ]
             slopes += [(at[name], answered)] if at[name] in wanted else []
         delay = at.get(_DELAY, -1)
         late = _OFF if delay < 0 else float(values[delay])

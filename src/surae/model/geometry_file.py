@@ -132,8 +132,8 @@ def _table(
     arms = []
     for group, shares, sign in zip(_GROUPS, _SHARES, (1.0, -1.0), strict=True):
         length, arm = (
-            None if found is None else found[order]
-            for found in (_group(what, group, shares, columns, where) for what in ("length", "arm"))
+            None if pair is None else pair[order]
+            for pair in (_group(what, group, shares, columns, where) for what in ("length", "arm"))
         )
         if length is None and (arm is None or len(seconds)):
             without = "" if arm is None else ", which a table over a second angle needs"
@@ -233,12 +233,14 @@ def _group(
     """A group's own column, or that of its muscles by their parts in its cross-section."""
     if (what, group) in columns:
         return columns[what, group]
-    found = {muscle: columns[what, muscle] for muscle in shares if (what, muscle) in columns}
-    if not found:
+    present = {muscle: columns[what, muscle] for muscle in shares if (what, muscle) in columns}
+    if not present:
         return None
-    if missing := [muscle for muscle in shares if muscle not in found]:
-        raise InputError(f"{where}: {what} of {', '.join(found)}, but not of {', '.join(missing)}")
-    return np.asarray(np.sum([shares[m] * values for m, values in found.items()], axis=0))
+    if missing := [muscle for muscle in shares if muscle not in present]:
+        raise InputError(
+            f"{where}: {what} of {', '.join(present)}, but not of {', '.join(missing)}"
+        )
+    return np.asarray(np.sum([shares[m] * values for m, values in present.items()], axis=0))
 
 
 def _of_opensim(path: Path) -> GeometryTable:
@@ -270,19 +272,19 @@ def _of_opensim(path: Path) -> GeometryTable:
     angle, *knee = (turned[n].values * factor for n in (coordinate, *knees))
     columns: dict[tuple[str, str], FloatArray] = {}
     for what, source in (("length", length), ("arm", arm)):
-        found = opensim.open_table(source)
+        headed = opensim.open_table(source)
         for muscle, pattern in _OPENSIM.items():
             called = re.compile(rf"(?:{pattern}){side}", re.IGNORECASE)
-            match_of = [n for n in found.names if called.fullmatch(n)]
+            match_of = [n for n in headed.names if called.fullmatch(n)]
             if not match_of and muscle in _HEADS:  # models of one gastrocnemius
                 whole = re.compile(rf"{_WHOLE}{side}", re.IGNORECASE)
-                match_of = [n for n in found.names if whole.fullmatch(n)]
+                match_of = [n for n in headed.names if whole.fullmatch(n)]
             if len(match_of) != 1:
                 which = f"{len(match_of)} columns are" if match_of else "no column is"
                 raise InputError(
-                    f"{source.shown}: {which} the {muscle} muscle; columns: {some(found.names)}"
+                    f"{source.shown}: {which} the {muscle} muscle; columns: {some(headed.names)}"
                 )
-            columns[what, muscle] = found.load(match_of)[match_of[0]].values
+            columns[what, muscle] = headed.load(match_of)[match_of[0]].values
     if len(angle) != len(columns["length", "sol"]):
         raise InputError(f"{kinematics.shown}: not as many rows as {length.shown}")
     second = knee[0].round(_DIGITS) if knee and np.ptp(knee[0]) > _STILL else None

@@ -103,10 +103,11 @@ class Joint:
             raise InputError(
                 f"joint {self.name!r} has no words in {language!r}; give [words.{language}]"
             )
-        own = _words(self) if language == "en" else self.words[language]
-        own = {word.lower(): instead for word, instead in own.items()}
+        words = _words(self) if language == "en" else self.words[language]
+        words = {word.lower(): instead for word, instead in words.items()}
         return _pattern(language).sub(
-            lambda match: _as(match[0], own[match[0].lower()]) if match["word"] else match[0], text
+            lambda match: _as(match[0], words[match[0].lower()]) if match["word"] else match[0],
+            text,
         )
 
 
@@ -133,14 +134,14 @@ def _words(joint: Joint) -> dict[str, str]:
         "tibialis": second,
         "soleus and both gastrocnemii": " and ".join(heads),
         "gastrocnemius": heads[-1],
-        **{of: own or "no muscle" for of, own in muscles},
+        **{of: named or "no muscle" for of, named in muscles},
         **dict(zip(ANKLE.directions, joint.directions, strict=True)),
     }
 
 
-def _as(written: str, own: str) -> str:
+def _as(written: str, instead: str) -> str:
     """A word with a capital where the one in its place has it."""
-    return own[:1].upper() + own[1:] if written[:1].isupper() else own
+    return instead[:1].upper() + instead[1:] if written[:1].isupper() else instead
 
 
 #: The ankle, by the thesis: la of equation (6), lt0 of Table 2.

@@ -214,8 +214,8 @@ class Knowledge(Request):
     @property
     def size_sd(self) -> float:
         """How well size tells an arm [%]: by its age a child's less well."""
-        own = self.geometry_sd_percent or SCALED_SD
-        return own if self.foot_mm or self.height_cm else math.hypot(own, _STATURE_SD)
+        sd = self.geometry_sd_percent or SCALED_SD
+        return sd if self.foot_mm or self.height_cm else math.hypot(sd, _STATURE_SD)
 
     @property
     def mass(self) -> tuple[float, float] | None:
@@ -233,8 +233,8 @@ class Knowledge(Request):
             part = self.geometry_sd_percent / 100.0
             made["arms"] = [{group: (arm, part * arm) for group, arm in self.usual.items()}]
         arms = {"tri": self.arm_tri_mm, "tib": self.arm_tib_mm}
-        if own := {group: (arm.value, arm.sd) for group, arm in arms.items() if arm is not None}:
-            made.setdefault("arms", []).append(own)
+        if stated := {group: (arm.value, arm.sd) for group, arm in arms.items() if arm is not None}:
+            made.setdefault("arms", []).append(stated)
         return {source: Pooled.of(source, *each) for source, each in made.items()}
 
     @property

@@ -93,14 +93,14 @@ def _stated(said: SessionFile) -> Knowledge:
     """What it says itself, without any step."""
     k = said.knowledge
     sd = k.geometry_sd_percent
-    own = k.geometry_of == GEOMETRY_OF[1]
-    if said.geometry is None and (own or (sd is not None and not k.size)):
+    measured = k.geometry_of == GEOMETRY_OF[1]
+    if said.geometry is None and (measured or (sd is not None and not k.size)):
         raise InputError("geometry_of and geometry_sd_percent have no effect without geometry")
     return replace(
         k,
         plate=None if said.plate is None else Plate(),
         geometry=Path(said.geometry or "").name,
-        geometry_sd_percent=GEOMETRY_SD if sd is None and own else sd,
+        geometry_sd_percent=GEOMETRY_SD if sd is None and measured else sd,
     )
 
 
@@ -134,11 +134,11 @@ def known_from(
     for name in alone[:1]:
         prior = NUISANCES["crosstalk"].nuisance
         assert prior is not None
-        found = crosstalk(prepare(there[name], Preparation()), (prior.prior.mean, prior.prior.sd))
-        own = {CROSSTALK[pair]: StatedNumber(*stated) for pair, stated in found.items()}
+        shares = crosstalk(prepare(there[name], Preparation()), (prior.prior.mean, prior.prior.sd))
+        by_name = {CROSSTALK[pair]: StatedNumber(*stated) for pair, stated in shares.items()}
         source = there[name].files[0].name if there[name].files else name
-        known = replace(known, crosstalk=own, crosstalk_of=source)
-        if not found:
+        known = replace(known, crosstalk=by_name, crosstalk_of=source)
+        if not shares:
             doubt = f"{name}: no muscle contracts alone twice, so that it tells no crosstalk"
             known = replace(known, doubts=(*known.doubts, doubt))
     return known

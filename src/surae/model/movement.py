@@ -252,7 +252,7 @@ def _own_path(
     stretch = np.exp(longer)
     travel = stretch * (path.length - at_rest)
     speed = stretch * path.speed
-    own = Path(
+    changed = Path(
         arm,
         at_rest + zero + travel + turn * angle**2,
         speed + 2.0 * turn * angle * velocity,
@@ -269,4 +269,4 @@ def _own_path(
         (still, angle**2, 2.0 * angle * velocity),
         (still, np.ones_like(angle), still),
     )
-    return own, {name: slopes for name, slopes in zip(names, by, strict=True) if name in given}
+    return changed, {name: slopes for name, slopes in zip(names, by, strict=True) if name in given}

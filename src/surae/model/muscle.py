@@ -32,17 +32,19 @@ class MuscleSimulator(Simulator):
     def _forces(
         self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState
     ) -> FloatArray:
-        own = p[GROUP_COLUMNS[group]]
-        curves = exponentials(own, muscle.length)
-        return rigid_forces(own, *curves, muscle.speed, active.alpha[0], self._factor, self._dt)
+        parameters = p[GROUP_COLUMNS[group]]
+        curves = exponentials(parameters, muscle.length)
+        return rigid_forces(
+            parameters, *curves, muscle.speed, active.alpha[0], self._factor, self._dt
+        )
 
     def _contract(
         self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState, into: Sums
     ) -> None:
         columns = GROUP_COLUMNS[group]
-        own = p[columns]
+        parameters = p[columns]
         rigid_torque(
-            own,
+            parameters,
             into.slots[columns],
             (self._factor, self._dt),
             (
@@ -50,7 +52,7 @@ class MuscleSimulator(Simulator):
                 np.stack([muscle.arm_slopes, muscle.length_slopes, muscle.speed_slopes]),
                 into.turned,
             ),
-            exponentials(own, muscle.length),
+            exponentials(parameters, muscle.length),
             (active.alpha[0], active.slopes[:, 0], into.slots[active.columns]),
             into.torque,
             into.jacobian,

@@ -126,11 +126,11 @@ def with_optional(spec: ModelSpec, names: Iterable[str]) -> ModelSpec:
     optional = tuple(p.name for p in added)
     if optional == spec.optional:
         return spec
-    own = tuple(p for p in spec.parameters if p.name not in spec.optional)
+    plain = tuple(p for p in spec.parameters if p.name not in spec.optional)
     linear = tuple(name for name in spec.linear if name not in spec.optional)
     if linear:  # a model of which this is known
         linear += tuple(name for name in optional if name in _LINEAR)
-    return replace(spec, parameters=own + added, linear=linear, optional=optional)
+    return replace(spec, parameters=plain + added, linear=linear, optional=optional)
 
 
 def check_names(names: Mapping[str, object] | tuple[str, ...], spec: ModelSpec) -> None:

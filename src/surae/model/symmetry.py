@@ -194,11 +194,11 @@ def generator(
     By ln λ: g −g, x0 1/k, F̄toe −F̄toe, ε0 ε0·(1 − F̄toe·(kt·e^kt − e^kt + 1)/B) with the lower part
     B of `toe_reach`; by ln μ a power of a length times the value.
     """
-    own = {f"{name}_{group}": name for name in _LENGTHS}
-    own = {full: name for full, name in own.items() if full in values}
+    lengths = {f"{name}_{group}": name for name in _LENGTHS}
+    lengths = {full: name for full, name in lengths.items() if full in values}
     slopes = {f"{scale}_{group}": 1.0}
     if scale == PATH:
-        slopes |= {full: _LENGTHS[name] * values[full] for full, name in own.items()}
+        slopes |= {full: _LENGTHS[name] * values[full] for full, name in lengths.items()}
         films = films_of(group, tuple(values))
         slopes |= {film: -1.0 - values[film] for film in films}
         zero = f"length_zero_{group}"

@@ -104,20 +104,20 @@ def measure_rows(measures: FrozenDict[str, NerveMeasure]) -> list[tuple[str, ...
 
 def _mean(name: str, measures: Sequence[NerveMeasure]) -> NerveMeasure:
     """Mean of recordings that have a value, what they differ by in its interval."""
-    own = [m for m in measures if m.value is not None]
-    if not own:
+    known = [m for m in measures if m.value is not None]
+    if not known:
         ends = [m.ci95 for m in measures]
         return number_of(
             name, None, measures[0].note, (min(e[0] for e in ends), max(e[1] for e in ends))
         )
-    values = np.array([m.value for m in own], dtype=np.float64)
-    halves = np.array([np.ptp(m.ci95) / 2.0 for m in own])
+    values = np.array([m.value for m in known], dtype=np.float64)
+    halves = np.array([np.ptp(m.ci95) / 2.0 for m in known])
     value = float(values.mean())
-    low = min(value - float(np.sqrt(np.sum(halves**2))) / len(own), float(values.min()))
-    high = max(value + float(np.sqrt(np.sum(halves**2))) / len(own), float(values.max()))
-    note = own[0].note or (
-        Message(N_("of {n} of {all} recordings"), n=str(len(own)), all=str(len(measures)))
-        if len(own) < len(measures)
+    low = min(value - float(np.sqrt(np.sum(halves**2))) / len(known), float(values.min()))
+    high = max(value + float(np.sqrt(np.sum(halves**2))) / len(known), float(values.max()))
+    note = known[0].note or (
+        Message(N_("of {n} of {all} recordings"), n=str(len(known)), all=str(len(measures)))
+        if len(known) < len(measures)
         else ""
     )
     return number_of(name, Number(value, low, high), note)

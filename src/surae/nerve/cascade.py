@@ -102,10 +102,10 @@ class Structure:
     @property
     def linear(self) -> tuple[str, ...]:
         """Parameters to which it is: stiffness, viscosity, inertia, branches, curvature, gain."""
-        own = ("stiffness", "viscosity", "inertia")
+        always = ("stiffness", "viscosity", "inertia")
         branches = tuple(f"branch_{i + 1}" for i in range(self.branches))
         trend = ("trend",) if self.trend else ()
-        return (*own, *branches, "curvature", *trend, *(("gain",) if self.direction else ()))
+        return (*always, *branches, "curvature", *trend, *(("gain",) if self.direction else ()))
 
     @property
     def names(self) -> tuple[str, ...]:

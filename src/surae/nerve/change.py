@@ -117,14 +117,14 @@ def _differences(before: _Side, after: _Side) -> tuple[NerveDifference, ...]:
     pairs = [(n, before.get(n, (None, 0.0)), after.get(n, (None, 0.0))) for n in names]
     compared = [1 for _, (a, _), (b, _) in pairs if a is not None and b is not None]
     wider = float(-ndtri(0.025 / max(len(compared), 1))) / NORMAL
-    found = []
+    differences = []
     for name, (a, half_a), (b, half_b) in pairs:
         half = wider * float(np.hypot(half_a, half_b))
         if a is None or b is None or not 0.0 < half < np.inf:
-            found.append(NerveDifference(name, a, b, None, None, None, "not comparable"))
+            differences.append(NerveDifference(name, a, b, None, None, None, "not comparable"))
             continue
         d = b - a
-        found.append(
+        differences.append(
             NerveDifference(
                 name,
                 a,
@@ -135,7 +135,7 @@ def _differences(before: _Side, after: _Side) -> tuple[NerveDifference, ...]:
                 "changed" if abs(d) > half else "no change shown",
             )
         )
-    return tuple(found)
+    return tuple(differences)
 
 
 def _of_measures(saved: Mapping[str, Any]) -> _Side:
@@ -145,7 +145,7 @@ def _of_measures(saved: Mapping[str, Any]) -> _Side:
 
 def _of_stretches(saved: Mapping[str, Any]) -> _Side:
     """Thresholds, and means over repeats of one speed with what repeats differ by."""
-    found = {
+    values_of = {
         f"threshold {m} [deg]": _one(t["angle_deg"], t["ci95"])
         for m, t in saved["threshold"].items()
     }
@@ -156,11 +156,11 @@ def _of_stretches(saved: Mapping[str, Any]) -> _Side:
     for name, change in saved["smallest_detectable_change"].items():
         for group, repeats in groups.items():
             values = [s[name] for s in repeats if s[name] is not None]
-            own = float(np.mean(values)) if len(values) == len(repeats) else None
+            mean = float(np.mean(values)) if len(values) == len(repeats) else None
             # 1.96·√2·SD is of two single stretches; the mean of n is surer by √n
             half = change / np.sqrt(2.0 * len(repeats)) if change else 0.0
-            found[f"{name}, {group}"] = own, float(half)
-    return found
+            values_of[f"{name}, {group}"] = mean, float(half)
+    return values_of
 
 
 def _one(value: float | None, ci95: Sequence[float | None] | None) -> tuple[float | None, float]:

@@ -84,11 +84,11 @@ class Competition:
 
     def best(self) -> list[TorqueDescription]:
         """Descriptions that have a say, the best first."""
-        found: list[tuple[float, int, tuple[int, ...]]] = []
+        every: list[tuple[float, int, tuple[int, ...]]] = []
         laws = range(len(self.laws))
         now = self._tried((), laws)
         more = tuple[int, ...]()
-        found += now[:KEPT]
+        every += now[:KEPT]
         total = self.x.shape[1] if self.envelopes.muscles else self.tissue.always
         for _ in range(MOST):
             some = [law for _, law, _ in now[:TRIED]]
@@ -100,19 +100,19 @@ class Competition:
             best = min(trials, key=lambda t: t[0], default=None)
             if best is None or best[0][0] >= now[0][0]:
                 break
-            found += [each for trial in trials for each in trial[:KEPT]]
+            every += [each for trial in trials for each in trial[:KEPT]]
             more = best[0][2]
             now = self._tried(more, laws)
-            found += now[:KEPT]
+            every += now[:KEPT]
         # one of a kind: the order in which columns came in does not matter
-        alike = {(law, frozenset(columns)): bic for bic, law, columns in found}
+        alike = {(law, frozenset(columns)): bic for bic, law, columns in every}
         ranked = sorted((bic, law, tuple(sorted(cols))) for (law, cols), bic in alike.items())
-        told = [each for each in ranked if each[0] <= ranked[0][0] + BEYOND][:SAY]
-        weights = np.exp([0.5 * (ranked[0][0] - bic) for bic, _, _ in told])
+        likely = [each for each in ranked if each[0] <= ranked[0][0] + BEYOND][:SAY]
+        weights = np.exp([0.5 * (ranked[0][0] - bic) for bic, _, _ in likely])
         weights /= weights.sum()
         return [
             self._described(law, columns, float(w))
-            for (_, law, columns), w in zip(told, weights, strict=True)
+            for (_, law, columns), w in zip(likely, weights, strict=True)
         ]
 
     def plain(self, law: Law) -> TorqueDescription:
@@ -155,12 +155,12 @@ class Competition:
         used = np.array([*range(self.tissue.always), *more])
         mean, first, a, b, pull = self._solved(more, law)
         k = len(used)
-        own = self.laws[law]
+        description = self.laws[law]
         size = np.concatenate([self.size[used], self.parts[law][0][pull]])
         # noise of the EMG draws what it drives to 0, and tissue takes it (Fuller 1987)
         less = a.copy()
         if len(pull):
-            noise = np.diag(self.envelopes.noisy(own)[pull] / size[k:] ** 2)
+            noise = np.diag(self.envelopes.noisy(description)[pull] / size[k:] ** 2)
             alone = np.linalg.inv(a)[k:, k:]  # inverse of what of drives tissue does not explain
             most = float(np.max(np.linalg.eigvals(alone @ noise).real))
             less[k:, k:] -= noise * min(1.0, NOISIEST / max(most, 1e-12))
@@ -173,7 +173,7 @@ class Competition:
         gains[pull] = (first / size)[k:]
         covariance = np.linalg.inv(a) / np.outer(size, size) * mean * DEPENDENT / len(self.y)
         return TorqueDescription(
-            own, weight, whole, diluted, gains, used, covariance[:k, :k], math.sqrt(mean)
+            description, weight, whole, diluted, gains, used, covariance[:k, :k], math.sqrt(mean)
         )
 
     def left_out(self, of: TorqueDescription, label: np.ndarray) -> FloatArray:

@@ -176,21 +176,23 @@ def _of_perturbation(
     }
     seen = list[ExpectedReflex]()
     for share in SHARES:
-        found = 0
+        shown = 0
         for draw in range(DRAWS):
             if progress is not None:
                 progress(len(seen) * DRAWS + draw, len(SHARES) * DRAWS)
             recording, gain = perturbed_leg(trajectory, leg, share, noise, draw)
-            told = perturbed(recording)
-            present = told.reflex.verdict == "present" and told.reflex.direction == "dorsiflexion"
-            found += present
+            answer = perturbed(recording)
+            present = (
+                answer.reflex.verdict == "present" and answer.reflex.direction == "dorsiflexion"
+            )
+            shown += present
             if share == SHARES[1]:
                 true["reflex_gain"] = gain
             for name in sides if share == SHARES[1] else _INTRINSIC:
-                m = told.measures[name]
+                m = answer.measures[name]
                 if m.value is not None:
                     sides[name].append((m.value - m.ci95[0], m.ci95[1] - m.value))
-        seen.append(ExpectedReflex(share, found, DRAWS))
+        seen.append(ExpectedReflex(share, shown, DRAWS))
     measures = {}
     for name, each in sides.items():
         below, above = np.median(each, axis=0) if each else (np.inf, np.inf)
@@ -210,18 +212,18 @@ def _of_stretches(
         if progress is not None:
             progress(len(seen), len(OF_PEAK))
         recording, silent, truth = stretched_leg(trajectory, share, noise, seed=0)
-        told = answers([recording])
-        own, alone = (_fastest(each.stretches) for each in (told, answers([silent])))
+        answer = answers([recording])
+        with_reflex, alone = (_fastest(each.stretches) for each in (answer, answers([silent])))
         shown_in, unheard = (
             sum(s.neural_ci95 is not None and s.neural_ci95[0] > 0.0 for s in each)
-            for each in (own, alone)
+            for each in (with_reflex, alone)
         )
-        seen.append(ExpectedReflex(share, shown_in, len(own), unheard))
+        seen.append(ExpectedReflex(share, shown_in, len(with_reflex), unheard))
         if share != OF_PEAK[1]:
             continue
-        half = float(np.median([np.ptp(s.neural_ci95) / 2.0 for s in own if s.neural_ci95]))
+        half = float(np.median([np.ptp(s.neural_ci95) / 2.0 for s in with_reflex if s.neural_ci95]))
         measures["neural_torque"] = _measure(truth["neural"], half, "Nm", "of each stretch")
-        change = told.smallest_detectable_change["neural_Nm"]
+        change = answer.smallest_detectable_change["neural_Nm"]
         if change is not None:
             measures["neural_torque_change"] = NerveMeasure(
                 change,
@@ -230,7 +232,7 @@ def _of_stretches(
                 Verdict.UNDETERMINED,
                 "smallest that would be detected",
             )
-        sure = [np.ptp(t.ci95) / 2.0 for t in told.threshold.values() if t.ci95 is not None]
+        sure = [np.ptp(t.ci95) / 2.0 for t in answer.threshold.values() if t.ci95 is not None]
         measures["threshold"] = _measure(
             truth["threshold"], float(min(sure, default=np.inf)), "deg", "of the surest muscle"
         )
@@ -254,21 +256,21 @@ def _saved(path: PathLike) -> dict[str, float]:
     try:
         measures = read_json(path)["measures"]
         tissue = {
-            own: float(measures[name]["value"])
-            for own, name in (
+            key: float(measures[name]["value"])
+            for key, name in (
                 ("stiffness", "intrinsic_stiffness"),
                 ("viscosity", "intrinsic_viscosity"),
                 ("inertia", "inertia"),
             )
         }
-        found = (
+        of_reflex = (
             ("delay", "reflex_delay", 1e-3),
             ("omega", "reflex_frequency", 2.0 * np.pi),
             ("zeta", "reflex_damping", 1.0),
         )
         reflex = {
-            own: factor * value
-            for own, name, factor in found
+            key: factor * value
+            for key, name, factor in of_reflex
             if (value := measures[name]["value"]) is not None
         }
     except (KeyError, TypeError, ValueError):

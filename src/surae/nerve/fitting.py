@@ -77,9 +77,9 @@ def regressors(piece: Piece, structure: Structure, q: Mapping[str, float]) -> Co
     if structure.trend:
         rows.append(piece.drifting * late)
     if structure.direction:
-        own = structure.direction, q.get("threshold", structure.beyond), structure.answered
+        law = structure.direction, q.get("threshold", structure.beyond), structure.answered
         delayed = _dynamics(structure, s, q) * late * np.exp(-s * q["delay"])
-        rows.append(piece.stretched(*own)[0] * delayed)
+        rows.append(piece.stretched(*law)[0] * delayed)
     return np.stack(rows)
 
 
@@ -116,8 +116,8 @@ def slopes(
         elif name == "delay":
             rows.append(-s * q["gain"] * x[-1])
         elif name == "threshold":
-            own = structure.direction, q["threshold"], structure.answered
-            _, slope = piece.stretched(*own)
+            law = structure.direction, q["threshold"], structure.answered
+            _, slope = piece.stretched(*law)
             filtered = _dynamics(structure, s, q) * np.exp(-s * q["delay"])
             filtered = filtered * _channel(s, structure, q)
             rows.append(q["gain"] * slope * filtered)
@@ -217,7 +217,7 @@ class Problem:
                 state[key] = np.append(reached, rest), np.vstack([r, np.zeros(len(x))])
             return state[key]
 
-        found = least_squares(
+        solution = least_squares(
             lambda x: at(x)[0],
             x0,
             jac=lambda x: -at(x)[1],
@@ -228,13 +228,13 @@ class Problem:
             gtol=1e-9,
             max_nfev=40,
         )
-        values = dict(zip(names, map(float, found.x), strict=True))
+        values = dict(zip(names, map(float, solution.x), strict=True))
         ends = tuple(
             n
             for n in structure.nonlinear
             if min(values[n] - BOUNDS[n][0], BOUNDS[n][1] - values[n]) < margin[n]
         )
-        return Fitted(structure, values, 2.0 * float(found.cost), ends)
+        return Fitted(structure, values, 2.0 * float(solution.cost), ends)
 
     def covariance(self, fitted: Fitted) -> tuple[FloatArray, int, list[FloatArray]]:
         """Covariance of all parameters, the degrees of freedom of the blocks behind it, their pull.
@@ -263,20 +263,20 @@ class Problem:
         """Scores Jᵀe of each block of time, (blocks, k) of each piece."""
         half = len(e) // 2
         first = 0
-        found = []
+        summed = []
         for piece in self.pieces:
-            own = slice(first, first + len(piece.f))
-            first = own.stop
+            rows = slice(first, first + len(piece.f))
+            first = rows.stop
             series = [
-                piece.in_time(v[..., :half][..., own] + 1j * v[..., half:][..., own])
+                piece.in_time(v[..., :half][..., rows] + 1j * v[..., half:][..., rows])
                 for v in (e, j.T)
             ]
             scores = series[0] * series[1]
             length = round(BLOCK * piece.rate)
             count = max(scores.shape[1] // length, 1)
             cut = scores[:, : count * length].reshape(len(scores), count, -1)
-            found.append(cut.sum(axis=2).T)
-        return found
+            summed.append(cut.sum(axis=2).T)
+        return summed
 
 
 #: Where the search of the nonlinear parameters begins, where nothing better is known.

@@ -208,16 +208,16 @@ def _parts(problem: Problem, judged: Judged) -> FloatArray:
     """Stiffness of every ten seconds, everything but stiffness and viscosity held: one step."""
     fitted = judged.fitted
     names = judged.fitted.structure.names
-    found = []
+    stretches = []
     e, j = problem.jacobian(fitted.structure, fitted.values)
     kept = [names.index(name) for name in ("stiffness", "viscosity")]
     half = len(e) // 2
     first = 0
     for piece in problem.pieces:
-        own = slice(first, first + len(piece.f))
-        first = own.stop
+        rows_of = slice(first, first + len(piece.f))
+        first = rows_of.stop
         left, rows = (
-            piece.in_time(v[..., :half][..., own] + 1j * v[..., half:][..., own])
+            piece.in_time(v[..., :half][..., rows_of] + 1j * v[..., half:][..., rows_of])
             for v in (e, j.T[kept])
         )
         length = round(PART * piece.rate)
@@ -233,5 +233,5 @@ def _parts(problem: Problem, judged: Judged) -> FloatArray:
             variance = inverse @ (sums @ sums.T * blocks / max(blocks - 2, 1)) @ inverse
             sd = np.sqrt(max(variance[0, 0], inverse[0, 0]))
             middle = float(piece.times[part].mean())
-            found.append((middle, fitted.values["stiffness"] + step[0], sd))
-    return np.array(found)
+            stretches.append((middle, fitted.values["stiffness"] + step[0], sd))
+    return np.array(stretches)

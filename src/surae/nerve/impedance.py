@@ -51,10 +51,10 @@ def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Pertur
         said.append(judged(weighed, share, fitted, direction, samples, unseen))
         return said[-1].verdict == "present"
 
-    found = identify(pieces, halves, band[1], judge)
-    behind = falls_short(pieces, [found.fitted.prediction(p) for p in pieces])
-    claims = in_loop(claimed(found, said[-1], behind), loop, found)
-    claims, limited = in_channels(claims, samples, Problem(pieces, found.noise), found, band[0])
+    cascade = identify(pieces, halves, band[1], judge)
+    behind = falls_short(pieces, [cascade.fitted.prediction(p) for p in pieces])
+    claims = in_loop(claimed(cascade, said[-1], behind), loop, cascade)
+    claims, limited = in_channels(claims, samples, Problem(pieces, cascade.noise), cascade, band[0])
     measures = {
         name: number_of(
             name,
@@ -65,15 +65,15 @@ def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Pertur
         for name in MEASURES
     }
     measures["inertia"] = _without(measures["inertia"], empty)
-    stationarity = _stationarity(found)
-    notes = [*samples.notes, *_notes(pieces, found, limited or behind > BEHIND)]
-    if heard := answering(recording, samples, found.direction):
+    stationarity = _stationarity(cascade)
+    notes = [*samples.notes, *_notes(pieces, cascade, limited or behind > BEHIND)]
+    if heard := answering(recording, samples, cascade.direction):
         notes.append(heard)
     if stationarity.verdict == "changes":
         notes.append(
             Message(N_("The stiffness changes during the recording: its value is a mean."))
         )
-    path = 1 if found.direction > 0 else -1
+    path = 1 if cascade.direction > 0 else -1
     return Perturbed(
         recording.files[0].path if recording.files else recording.name,
         samples.seconds,
@@ -85,14 +85,14 @@ def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Pertur
         predicted(halves[1], halves[0], -path),
         claims.reflex,
         FrozenDict(measures),
-        FrozenDict({n: (k.value, k.low, k.high) for n, k in found.structures.items()}),
+        FrozenDict({n: (k.value, k.low, k.high) for n, k in cascade.structures.items()}),
         stationarity,
         tuple(notes),
-        _curves(pieces, found, path),
+        _curves(pieces, cascade, path),
     )
 
 
-def _notes(pieces: Sequence[Piece], found: Cascade, limited: bool) -> Iterator[Message]:
+def _notes(pieces: Sequence[Piece], cascade: Cascade, limited: bool) -> Iterator[Message]:
     """What makes numbers less sure, and what to do about it."""
     if limited:
         yield Message(
@@ -109,7 +109,7 @@ def _notes(pieces: Sequence[Piece], found: Cascade, limited: bool) -> Iterator[M
                 "it is sampled, or record faster."
             )
         )
-    if found.misfit > MISFIT:
+    if cascade.misfit > MISFIT:
         yield Message(
             N_(
                 "The equations miss something that the torque shows: intervals "
@@ -152,31 +152,31 @@ def _without(whole: NerveMeasure, empty: NerveMeasure | None) -> NerveMeasure:
     return number_of("inertia", Number(value, value - half, value + half), note)
 
 
-def _stationarity(found: Cascade) -> Stationarity:
-    a, b = found.halves
+def _stationarity(cascade: Cascade) -> Stationarity:
+    a, b = cascade.halves
     apart = abs(a.value - b.value) > np.hypot(a.high - a.low, b.high - b.low)
     verdict: Literal["steady", "changes"] = (
-        "changes" if found.scattered or abs(found.trend) > CHANGING or apart else "steady"
+        "changes" if cascade.scattered or abs(cascade.trend) > CHANGING or apart else "steady"
     )
-    halves = tuple((each.value, each.low, each.high) for each in found.halves)
-    return Stationarity(verdict, halves, tuple(map(tuple, found.parts.tolist())), found.trend)
+    halves = tuple((each.value, each.low, each.high) for each in cascade.halves)
+    return Stationarity(verdict, halves, tuple(map(tuple, cascade.parts.tolist())), cascade.trend)
 
 
-def _curves(pieces: Sequence[Piece], found: Cascade, direction: int) -> Curves:
+def _curves(pieces: Sequence[Piece], cascade: Cascade, direction: int) -> Curves:
     """Frequency and impulse responses of the longest piece, with those of the equations."""
     from scipy.signal import csd, welch
 
     piece = max(pieces, key=lambda piece: piece.length)
-    fitted = found.fitted
+    fitted = cascade.fitted
     intrinsic = replace(fitted.structure, direction=0, threshold=False)
     alone = Fitted(intrinsic, fitted.values, 0.0, ())
     spectra = (piece.angle, piece.torque, fitted.prediction(piece), alone.prediction(piece))
-    angle, torque, model, own = (piece.signals(each) for each in spectra)
+    angle, torque, model, tissue = (piece.signals(each) for each in spectra)
     size = int(min(2 * piece.rate, len(angle) // 8))
     f, power = welch(angle, piece.rate, nperseg=size)
     _, spread = welch(torque, piece.rate, nperseg=size)
     ratios = [
-        csd(angle, each, piece.rate, nperseg=size)[1] / power for each in (torque, model, own)
+        csd(angle, each, piece.rate, nperseg=size)[1] / power for each in (torque, model, tissue)
     ]
     used = (f >= 0.5) & (f <= piece.f[-1])
     coherence = np.abs(ratios[0]) ** 2 * power / spread

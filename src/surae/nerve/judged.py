@@ -81,12 +81,12 @@ def share(pieces: Sequence[Piece], fitted: Fitted) -> tuple[float, Mapping[str, 
     by = dict.fromkeys(reflex, 0.0)
     for piece in pieces:
         x = regressors(piece, structure, v)
-        own = faster(piece, v["gain"] * x[-1])
-        total += piece.variance * len(own)
-        squares += float(np.sum(own**2))
+        answered = faster(piece, v["gain"] * x[-1])
+        total += piece.variance * len(answered)
+        squares += float(np.sum(answered**2))
         for name, row in zip(structure.nonlinear, slopes(piece, structure, v, x), strict=True):
             if name in by:
-                by[name] += 2.0 * float(own @ faster(piece, row))
+                by[name] += 2.0 * float(answered @ faster(piece, row))
     by["gain"] = 2.0 * squares / max(v["gain"], 1e-12)
     return 100.0 * squares / total, {name: 100.0 * each / total for name, each in by.items()}
 

@@ -55,18 +55,18 @@ class Nerve:
 def of_session(small: Sequence[Recording], slow_and_fast: Sequence[Recording]) -> Nerve:
     """Of perturbed and of stretched recordings of one leg; what cannot be used is said."""
     problems = list[str]()
-    told = []
+    perturbations = []
     stretches = None
     for recording in small:
         try:
-            told.append(perturbed(recording))
+            perturbations.append(perturbed(recording))
         except InputError as error:
             problems.append(str(error))
     try:
         stretches = answers(slow_and_fast) if slow_and_fast else None
     except InputError as error:
         problems.append(str(error))
-    return nerve_of(joined(told) if told else None, stretches, problems)
+    return nerve_of(joined(perturbations) if perturbations else None, stretches, problems)
 
 
 def stretch_torque(stretch: StretchAnswer) -> StretchTorque:

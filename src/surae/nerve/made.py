@@ -62,8 +62,8 @@ def perturbed_leg(
     tissue = leg["stiffness"] + leg["viscosity"] * s + leg["inertia"] * s**2
     tissue = tissue + leg["branch_1"] * relaxing(s, leg["time_1"])
     velocity = np.fft.irfft(s * spectrum, len(x))
-    own = muscle(s, leg["omega"], leg["zeta"]) * np.exp(-s * leg["delay"])
-    reflex = np.fft.irfft(np.fft.rfft(stretched(velocity, 1, 0.0)) * own, len(x))[: len(time)]
+    answer = muscle(s, leg["omega"], leg["zeta"]) * np.exp(-s * leg["delay"])
+    reflex = np.fft.irfft(np.fft.rfft(stretched(velocity, 1, 0.0)) * answer, len(x))[: len(time)]
     torque = np.fft.irfft(tissue * spectrum, len(x))[: len(time)]
     (a, c), (_, b) = np.cov(_faster(torque, rate), _faster(reflex, rate))
     part = 0.01 * share  # g²b = part·(a + 2gc + g²b)

@@ -174,11 +174,11 @@ def _others(chosen: Structure) -> Iterator[tuple[Structure, str]]:
 
 def _other_laws(problem: Problem, chosen: Fitted) -> list[tuple[Fitted, str]]:
     """The same with a reflex to velocity and length, and with one to force."""
-    own = chosen.structure
+    structure = chosen.structure
     v = chosen.values
-    lengths = [problem.fit(replace(own, length=each), v) for each in LENGTHS]
+    lengths = [problem.fit(replace(structure, length=each), v) for each in LENGTHS]
     lead = v["viscosity"] / max(v["stiffness"], 1e-9)
     return [
         (min(lengths, key=lambda fitted: fitted.loss), N_("a reflex to velocity and length")),
-        (problem.fit(replace(own, lead=max(lead, 0.0)), v), N_("a reflex to force")),
+        (problem.fit(replace(structure, lead=max(lead, 0.0)), v), N_("a reflex to force")),
     ]

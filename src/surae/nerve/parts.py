@@ -81,11 +81,11 @@ class TissueTorque:
         # columns that compete share what is fast: their single torques are no one's
         plain = competition.plain(self.best.law).c
         self.inertia, self.viscosity = float(plain[0]), float(plain[1] + plain[2] * RELAXES[0])
-        own = [
+        groups = [
             g[np.minimum((np.arange(len(r)) / RATE * of.rate).astype(int), len(g) - 1)]
             for g, r, of in zip(speeds, rows, every, strict=True)
         ]
-        label = np.concatenate([g[u] for g, u in zip(own, use, strict=True)])
+        label = np.concatenate([g[u] for g, u in zip(groups, use, strict=True)])
         self.apart = competition.left_out(self.best, label)
         #: Torque beyond tissue's by each description, of each recording, (descriptions, n).
         self.beyond = [

@@ -96,9 +96,9 @@ class Piece:
         window[:edge] = 0.5 - 0.5 * np.cos(np.pi * np.arange(edge) / edge)
         window[-edge:] = window[:edge][::-1]
         self._window = window * self.rate / np.sqrt(self.rate * np.sum(window**2))
-        own = fft.rfftfreq(self.length, 1.0 / self.rate)
-        self.used = (own >= max(LOWEST, 2.5 * self.rate / kept)) & (own <= band)
-        self.f: FloatArray = own[self.used]
+        frequencies = fft.rfftfreq(self.length, 1.0 / self.rate)
+        self.used = (frequencies >= max(LOWEST, 2.5 * self.rate / kept)) & (frequencies <= band)
+        self.f: FloatArray = frequencies[self.used]
         self.stretched = lru_cache(24)(self._stretched)
 
     def spectrum(self, signal: FloatArray) -> ComplexArray:
@@ -114,13 +114,13 @@ class Piece:
         """
         change = np.diff(torque, prepend=torque[0])
         size = np.abs(change)
-        own = np.zeros(len(change))
+        jumps = np.zeros(len(change))
         before = np.maximum(np.roll(size, 2), np.roll(size, 3))
         top = (size >= np.roll(size, 1)) & (size > np.roll(size, -1))
         at = top & (size > JUMP * np.median(size)) & (size > 3.0 * before)
         near = np.abs(change + np.roll(change, 1) + np.roll(change, -1))
-        own[at] = UNTIMED * np.sign(change[at]) * np.maximum(size, near)[at]
-        return self.spectrum(own)
+        jumps[at] = UNTIMED * np.sign(change[at]) * np.maximum(size, near)[at]
+        return self.spectrum(jumps)
 
     def _stretched(
         self, direction: int, threshold: float, beside: tuple[float, float] = (0.0, 0.0)

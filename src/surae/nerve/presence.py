@@ -47,7 +47,7 @@ def shapes(problem: Problem, intrinsic: Fitted, direction: int) -> list[Shape]:
     left = problem.y - basis @ (basis.T @ problem.y)
     total = sum(p.variance * (p.length + 1) for p in problem.pieces)
     late = intrinsic.values.get("late", 0.0)
-    found = []
+    made = []
     spectra = [[p.stretched(direction, 0.0)[0] * np.exp(-p.s * late), p.s] for p in problem.pieces]
     for omega in OMEGAS:
         for zeta in ZETAS:
@@ -68,10 +68,10 @@ def shapes(problem: Problem, intrinsic: Fitted, direction: int) -> list[Shape]:
             size = np.sum(rows**2, axis=1)
             for delay, gain, one in zip(DELAYS, rows @ left / size, size, strict=True):
                 q = {"delay": float(delay), "omega": omega, "zeta": zeta}
-                found.append(
+                made.append(
                     Shape(q, float(gain), float(one**-0.5), float(gain * abs(gain) * one), power)
                 )
-    return found
+    return made
 
 
 def first_shape(of: Sequence[Shape]) -> Mapping[str, float]:
@@ -112,8 +112,8 @@ def weigh(
     """Both directions, each half predicting the other; and the fits of the halves."""
     errors: dict[int, list[FloatArray]] = {0: [], 1: [], -1: []}
     fits: list[dict[int, Fitted]] = []
-    for own, other in (halves, halves[::-1]):
-        mine = Problem(own, problem.noise)
+    for half, other in (halves, halves[::-1]):
+        mine = Problem(half, problem.noise)
         its = Problem(other, problem.noise)
         fits.append(
             {

@@ -106,11 +106,11 @@ def stretched(recording: Recording) -> Stretched:
             still = np.abs(smooth[held] - smooth[run.stop - 1])
             if moved > RANGE and len(still) and float(still.max()) < 0.15 * moved:
                 fast = direction * velocity[run] > 0.3 * float(np.max(direction * velocity[run]))
-                own = run.start + np.flatnonzero(fast)
-                if left[own[0] : own[-1] + round(HOLD * rate)].any():
+                moving = run.start + np.flatnonzero(fast)
+                if left[moving[0] : moving[-1] + round(HOLD * rate)].any():
                     hidden += 1
                 else:
-                    ramps.append(RampSpan(int(own[0]), int(own[-1]), direction))
+                    ramps.append(RampSpan(int(moving[0]), int(moving[-1]), direction))
     kinds = ((missing, MISSING), (at_end, LIMITED))
     notes = [f"{of.sum() / rate:.2g} s {what}" for of, what in kinds if of.any()]
     if notes:

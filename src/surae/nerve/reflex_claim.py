@@ -22,7 +22,7 @@ BEHIND = 0.15
 
 
 def judged(
-    found: Weighed,
+    weighed: Weighed,
     share: Number,
     fitted: Fitted,
     direction: int,
@@ -37,7 +37,9 @@ def judged(
         )
     bounds = {"delay", "threshold"} & set(fitted.at_bound)
     at_bound = {n for n in bounds if n == "delay" or fitted.values["threshold"] > 0.5}
-    better = found.over_none > OVER_NONE and found.over_other > OVER_OTHER and found.nats > NATS
+    better = (
+        weighed.over_none > OVER_NONE and weighed.over_other > OVER_OTHER and weighed.nats > NATS
+    )
     if better and share.value >= LEAST_SHARE and not at_bound:
         why = Message(
             N_(
@@ -45,8 +47,8 @@ def judged(
                 "none (z = {none:.1f}) and than the other direction (z = {other:.1f})"
             ),
             way=Message(word),
-            none=found.over_none,
-            other=found.over_other,
+            none=weighed.over_none,
+            other=weighed.over_other,
         )
         return ReflexPath("present", word, why)  # type: ignore[arg-type]
     if unseen[0] < NONE_SEEN and not better:
@@ -78,8 +80,8 @@ def judged(
                 "{none:.1f} over none, {other:.1f} over the other), and up to "
                 "{most:.2g} % of the variance may be a reflex’s"
             ),
-            none=found.over_none,
-            other=found.over_other,
+            none=weighed.over_none,
+            other=weighed.over_other,
             most=unseen[0],
         ),
     )
@@ -97,29 +99,29 @@ class Claimed:
     refused: Mapping[str, Message] = field(default_factory=dict)
 
 
-def in_loop(claims: Claimed, loop: Loop, found: Cascade) -> Claimed:
+def in_loop(claims: Claimed, loop: Loop, cascade: Cascade) -> Claimed:
     """What is claimed where the leg may move its device: nothing that both make together."""
-    driven = found.numbers["intrinsic_viscosity"].high < 0.0
+    driven = cascade.numbers["intrinsic_viscosity"].high < 0.0
     if driven or not loop.told:
         why = Message(LEG_DRIVES if driven else DEVICE_YIELDS)
         return Claimed(ReflexPath("cannot tell", None, why), {}, {}, why)
     if not loop.yields:
         return claims
     why = Message(TOO_MUCH, part=100.0 * loop.free)
-    own = {
+    numbers = {
         name: loop.widened(number)
         for name, number in claims.numbers.items()
         if not name.startswith("reflex_")
     }
-    hides = claims.reflex.verdict == "none seen" and BLURRED * found.unseen[0] > NONE_SEEN
+    hides = claims.reflex.verdict == "none seen" and BLURRED * cascade.unseen[0] > NONE_SEEN
     if loop.free > TOO_FREE or hides:
-        return Claimed(ReflexPath("cannot tell", None, why), own, {}, why)
-    return replace(claims, numbers=own, hidden={}, why=why)
+        return Claimed(ReflexPath("cannot tell", None, why), numbers, {}, why)
+    return replace(claims, numbers=numbers, hidden={}, why=why)
 
 
-def claimed(found: Cascade, reflex: ReflexPath, behind: float) -> Claimed:
+def claimed(cascade: Cascade, reflex: ReflexPath, behind: float) -> Claimed:
     """What is claimed, where the torque stays `behind` by a part of its largest."""
-    numbers = found.numbers
+    numbers = cascade.numbers
     below = [n for n in ("intrinsic_stiffness", "inertia") if numbers[n].value <= 0.0]
     if below:  # the search lost its way, or the torque's sign is wrong: nothing is claimed
         ended = N_(
@@ -133,7 +135,7 @@ def claimed(found: Cascade, reflex: ReflexPath, behind: float) -> Claimed:
         return Claimed(ReflexPath("cannot tell", None, why), {}, {}, why)
     if behind > BEHIND:
         numbers = {name: number.allowing(behind) for name, number in numbers.items()}
-    if reflex.verdict != "present" and (behind > BEHIND or found.misfit > MISFIT):
+    if reflex.verdict != "present" and (behind > BEHIND or cascade.misfit > MISFIT):
         doubt = N_(
             "the equations miss something that the torque shows, maybe a reflex of another kind"
         )
@@ -143,8 +145,8 @@ def claimed(found: Cascade, reflex: ReflexPath, behind: float) -> Claimed:
         none = N_("no reflex is claimed ({verdict})")
         return Claimed(reflex, numbers, {}, Message(none, verdict=Message(reflex.verdict)))
     hidden = {
-        "reflex_share": (0.0, found.unseen[0]),
-        "reflex_gain": (0.0, found.unseen[1]),
+        "reflex_share": (0.0, cascade.unseen[0]),
+        "reflex_gain": (0.0, cascade.unseen[1]),
         "reflex_delay": (1e3 * BOUNDS["delay"][0], 1e3 * BOUNDS["delay"][1]),
     }
     none = N_("no reflex is claimed ({verdict}); the interval is what one may have unseen")

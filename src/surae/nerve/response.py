@@ -45,19 +45,21 @@ def free_noise(pieces: Sequence[Piece]) -> Noise:
         d: [p.bins(np.concatenate([lagged(p, d, rate), p.squared[None]])) for p in pieces]
         for d in (1, -1)
     }
-    own = [piece.bins(piece.torque) for piece in pieces]
+    bins_of_torque = [piece.bins(piece.torque) for piece in pieces]
     for _ in range(2):
         left = {}
         for direction, of in bins.items():
             w = [noise.at(p.f) ** -0.5 for p in pieces]
             x = stacked([b * k for b, k in zip(of, w, strict=True)])
-            y = stacked([b * k for b, k in zip(own, w, strict=True)])
+            y = stacked([b * k for b, k in zip(bins_of_torque, w, strict=True)])
             c = solved(x, y)
             e = y - c @ x
             left[direction] = float(e @ e), c, 1.0 - len(c) / len(y)
         best = min(left, key=lambda d: left[d][0])
         _, c, share = left[best]
-        noise = noise_of(pieces, [b - c @ x for b, x in zip(own, bins[best], strict=True)], share)
+        noise = noise_of(
+            pieces, [b - c @ x for b, x in zip(bins_of_torque, bins[best], strict=True)], share
+        )
     return noise
 
 
@@ -100,13 +102,13 @@ def faster(piece: Piece, spectra: ComplexArray) -> FloatArray:
     return piece.signals(spectra * (np.abs(piece.s) >= 2.0 * np.pi * SLOW))
 
 
-def falls_short(pieces: Sequence[Piece], told: Sequence[ComplexArray]) -> float:
+def falls_short(pieces: Sequence[Piece], predicted: Sequence[ComplexArray]) -> float:
     """By how much torque stays behind where what is told of it is at an end, in its deviations.
 
     The mean over the last 2 % at either end, the larger: a channel at its limit gives no more.
     What is slower than `SLOW` wanders by itself.
     """
     y = np.concatenate([faster(p, p.torque) for p in pieces])
-    x = np.concatenate([faster(p, each) for p, each in zip(pieces, told, strict=True)])
+    x = np.concatenate([faster(p, each) for p, each in zip(pieces, predicted, strict=True)])
     ends = [(s, s * x > np.quantile(s * x, 0.98)) for s in (1.0, -1.0)]
     return float(max(np.mean(s * (x - y)[end]) for s, end in ends) / (np.std(y) + 1e-12))

@@ -131,11 +131,11 @@ class Samples:
         for span in self.spans:
             cut = int(np.clip(span.start + middle - done, span.start, span.stop))
             done += span.stop - span.start
-            for part, own in zip(
+            for part, span_of in zip(
                 parts, (slice(span.start, cut), slice(cut, span.stop)), strict=True
             ):
-                if own.stop - own.start >= 0.5 * SHORTEST * self.rate_hz:
-                    part.append(own)
+                if span_of.stop - span_of.start >= 0.5 * SHORTEST * self.rate_hz:
+                    part.append(span_of)
         return [self.pieces(part, highest) for part in parts]
 
 
@@ -195,24 +195,24 @@ def usable(where: str, time: FloatArray, angle: FloatArray, torque: FloatArray) 
     """
     time, angle, torque, rate = on_one_clock(where, time, angle, torque)
     known = np.isfinite(angle)
-    told, one_sided, step = _movement(
+    said, one_sided, step = _movement(
         where, angle[max(runs(known), key=lambda r: r.stop - r.start)], rate
     )
     left_out = dict[str, str]()
     left = np.zeros(len(time), bool)
-    for found, what in (
+    for bad, what in (
         (~known, MISSING),
         (limited(angle, torque), LIMITED),
         (_lost(angle, torque, rate), UNANSWERED),
     ):
-        fresh = found & ~left
+        fresh = bad & ~left
         if fresh.any():
             left_out[what] = Message(
                 N_("{seconds:.2g} s {what}"), seconds=fresh.sum() / rate, what=Message(what)
             )
-            left |= found
+            left |= bad
     spans = tuple(span for span in runs(~left) if span.stop - span.start >= SHORTEST * rate)
-    notes = (*(Message(N_("Left out: {what}."), what=each) for each in left_out.values()), *told)
+    notes = (*(Message(N_("Left out: {what}."), what=each) for each in left_out.values()), *said)
     samples = Samples(where, time, angle, torque, rate, spans, notes, one_sided, step)
     if samples.seconds < LEAST:
         why = f"left out: {', '.join(left_out.values())}" if left_out else "it is short"
@@ -306,36 +306,36 @@ def limited(angle: FloatArray, torque: FloatArray) -> np.ndarray:
     goes beyond a limit; and where the foot rests at that value, or a recorder's digits give the
     next one nearly as many samples, it is none.
     """
-    found = np.zeros(len(torque), bool)
+    at_limit = np.zeros(len(torque), bool)
     speed = np.abs(np.gradient(np.convolve(filled(angle), np.ones(5) / 5, "same")))
     moving = np.isfinite(torque) & (speed > 0.2 * np.quantile(speed, 0.99))
     for sign in (1.0, -1.0):
-        own = sign * torque
-        top = float(np.nanmax(own))
+        signed = sign * torque
+        top = float(np.nanmax(signed))
         near = [1e-6 * max(abs(top), 1e-9)]
-        equal = own >= top - near[0]
-        below = float(np.nanmax(np.where(equal, -np.inf, own)))
+        equal = signed >= top - near[0]
+        below = float(np.nanmax(np.where(equal, -np.inf, signed)))
         ends = int(np.count_nonzero(equal))
-        digits = np.count_nonzero(own >= below - near[0]) - ends > ends / PEAK
-        low, high = np.quantile(own[moving], (0.0005, 0.9995))
+        digits = np.count_nonzero(signed >= below - near[0]) - ends > ends / PEAK
+        low, high = np.quantile(signed[moving], (0.0005, 0.9995))
         for part in LAST_PART:
             width = part * float(high - low)
-            last = np.sum(own[moving] > high - width)
-            distance = (high - own[moving]) / width
+            last = np.sum(signed[moving] > high - width)
+            distance = (high - signed[moving]) / width
             farther = np.sum((distance >= 1.5) & (distance < 2.5))
             beyond = top - high > width
             if last > PILED * (farther + 0.001 * moving.sum() + 5.0) and not beyond:
                 near.append(top - high + width)
-        rest = own[np.isfinite(own) & ~moving]
+        rest = signed[np.isfinite(signed) & ~moving]
         rests = rest.size and float(np.median(rest)) >= top - max(near)
         if rests or (digits and len(near) == 1):
             continue
-        at = own >= top - max(near)
+        at = signed >= top - max(near)
         for run in runs(at):
             came = moving[max(run.start - CAME, _EDGE) : run.start + CAME].any()
             if run.stop - run.start >= 4 and came:
-                found[run] = True
-    return found
+                at_limit[run] = True
+    return at_limit
 
 
 def filled(values: FloatArray) -> FloatArray:

@@ -55,28 +55,37 @@ def answers(recordings: Sequence[Recording]) -> Stretches:
         np.ones(len(of.time), bool) if of.unusable is None else ~np.asarray(of.unusable, bool)
         for of in every
     ]
-    seen = [bool(found) for found in onsets]
+    seen = [bool(onset_of) for onset_of in onsets]
     slow = []
-    for (i, ramp), found, speed in zip(ramps, onsets, speeds, strict=True):
+    for (i, ramp), onset_of, speed in zip(ramps, onsets, speeds, strict=True):
         rate = every[i].rate
         alike = zip(speeds, ramps, strict=True)
         slowest = min(s for s, (_, r) in alike if r.direction == ramp.direction)
         slow.append(speed <= FAST * slowest)
-        if not found and not slow[-1] and ramp.direction > 0:
+        if not onset_of and not slow[-1] and ramp.direction > 0:
             begin = min(ramp.begin + round(NOT_YET * rate), ramp.stop)
             quiet[i][begin : ramp.stop + round(LATE * rate)] = False
     group = _of_one_speed([ramp.direction for _, ramp in ramps], speeds)
     labels = [np.zeros(len(of.time), int) for of in every]
-    for (i, ramp), own in zip(ramps, group, strict=True):
-        labels[i][ramp.begin if labels[i].any() else 0 :] = own + 1
+    for (i, ramp), number in zip(ramps, group, strict=True):
+        labels[i][ramp.begin if labels[i].any() else 0 :] = number + 1
     tissue = TissueTorque(every, quiet, labels)
     parts = [tissue.parts(i, ramp) for i, ramp in ramps]
     late = [emg and p.sustained > 1.96 * p.error for emg, p in zip(seen, parts, strict=True)]
     willing = sum(late) >= WILLING
     usual = max(max(p.rest, p.rise if s else 0.0) for p, s in zip(parts, slow, strict=True))
     stretches = tuple(
-        _stretch(every[i], ramp, found, speed, own, emg, own.rise > RISES * usual, will or willing)
-        for (i, ramp), found, speed, own, emg, will in zip(
+        _stretch(
+            every[i],
+            ramp,
+            onset_of,
+            speed,
+            number,
+            emg,
+            number.rise > RISES * usual,
+            will or willing,
+        )
+        for (i, ramp), onset_of, speed, number, emg, will in zip(
             ramps, onsets, speeds, parts, seen, late, strict=True
         )
     )
@@ -113,7 +122,7 @@ def _speed(of: Stretched, ramp: RampSpan) -> float:
 def _stretch(
     of: Stretched,
     ramp: RampSpan,
-    found: Mapping[str, int | None],
+    onset_of: Mapping[str, int | None],
     speed: float,
     parts: Parts,
     emg: bool,
@@ -125,7 +134,7 @@ def _stretch(
     before = float(np.mean(torque[max(ramp.begin - round(0.1 * rate), 0) : ramp.begin + 1]))
     after = torque[ramp.begin : ramp.stop + round(0.1 * rate)]
     whole = float(after.max()) - before
-    first = [at for at in found.values() if at is not None]
+    first = [at for at in onset_of.values() if at is not None]
     neural: float | None = max(parts.neural, 0.0)
     half = 1.96 * parts.error
     if emg and not first:
@@ -168,7 +177,7 @@ def _stretch(
         neural,
         ci,
         note,
-        FrozenDict({m: None if at is None else float(degrees[at]) for m, at in found.items()}),
+        FrozenDict({m: None if at is None else float(degrees[at]) for m, at in onset_of.items()}),
         catch,
     )
 
@@ -192,15 +201,15 @@ def _threshold(
     ended = []
     of_seen = []
     of_ended = []
-    for (i, ramp), found, own in zip(ramps, onsets, group, strict=True):
+    for (i, ramp), onset_of, number in zip(ramps, onsets, group, strict=True):
         of = every[i]
-        at = found.get(muscle)
+        at = onset_of.get(muscle)
         if at is not None:
             seen.append((of, at))
-            of_seen.append(own)
-        elif muscle in found:
+            of_seen.append(number)
+        elif muscle in onset_of:
             ended.append((ramp.direction * _speed(of, ramp), of.angle[ramp.stop]))
-            of_ended.append(own)
+            of_ended.append(number)
     ends = np.array(ended).reshape(-1, 2)
     sign = -1 if muscle == "ta" else 1
     n = len(seen)
@@ -231,15 +240,15 @@ def _apart(
     seen: FloatArray, ended: FloatArray, sign: int, of_seen: np.ndarray, of_ended: np.ndarray
 ) -> float:
     """Half of an interval of the angle at no velocity [deg], by a jackknife over speeds."""
-    found = []
-    for own in np.unique(of_seen):
-        points = seen[of_seen != own]
+    without = []
+    for stretch in np.unique(of_seen):
+        points = seen[of_seen != stretch]
         if len(points) >= LEAST_ONSETS and np.ptp(points[:, 0]) >= SPREAD:
-            found.append(_line(points, ended[of_ended != own], sign)[0])
-    n = len(found)
+            without.append(_line(points, ended[of_ended != stretch], sign)[0])
+    n = len(without)
     if n < 2:
         return 0.0
-    return float(stdtrit(n - 1, 0.975) * np.sqrt((n - 1.0) * np.var(found)))
+    return float(stdtrit(n - 1, 0.975) * np.sqrt((n - 1.0) * np.var(without)))
 
 
 def _line(seen: FloatArray, ended: FloatArray, sign: int) -> tuple[float, float]:
@@ -256,16 +265,16 @@ def _line(seen: FloatArray, ended: FloatArray, sign: int) -> tuple[float, float]
 
     line = np.polynomial.polynomial.polyfit(v, angle, 1)
     first = np.array([line[0], 100.0 * line[1], np.log(max(np.std(angle), 0.5))])
-    found = minimize(loss, first, method="BFGS")
-    sd = float(np.hypot(np.sqrt(found.hess_inv[0, 0]), ONSET_ERROR))
-    return float(found.x[0]), float(stdtrit(max(n - 2, 1), 0.975)) * sd
+    solution = minimize(loss, first, method="BFGS")
+    sd = float(np.hypot(np.sqrt(solution.hess_inv[0, 0]), ONSET_ERROR))
+    return float(solution.x[0]), float(stdtrit(max(n - 2, 1), 0.975)) * sd
 
 
 def _changes(stretches: Sequence[StretchAnswer]) -> dict[str, float | None]:
     """1.96·√2 times the standard deviation of repeats, pooled over speeds of each direction."""
     number = _of_one_speed([s.direction for s in stretches], [s.speed_deg_s for s in stretches])
     groups = [[s for s, n in zip(stretches, number, strict=True) if n == g] for g in set(number)]
-    found: dict[str, float | None] = {}
+    changes: dict[str, float | None] = {}
     for name in COMPARED:
         squares = 0.0
         freedom = 0
@@ -274,5 +283,5 @@ def _changes(stretches: Sequence[StretchAnswer]) -> dict[str, float | None]:
             if len(values) > 1:
                 squares += float(np.sum((values - values.mean()) ** 2))
                 freedom += len(values) - 1
-        found[name] = float(1.96 * np.sqrt(2.0 * squares / freedom)) if freedom else None
-    return found
+        changes[name] = float(1.96 * np.sqrt(2.0 * squares / freedom)) if freedom else None
+    return changes

@@ -53,8 +53,8 @@ class Tissue:
         counts = [max(round(len(x) / RATE / DRIFT), 1) + 1 for x in self.angles]
         at = np.linspace(0.0, 1.0, len(angle))
         where = np.linspace(0.0, 1.0, counts[index])
-        own = np.stack([np.interp(at, where, row) for row in np.eye(counts[index])], axis=1)
-        drift = [own if i == index else np.zeros((len(angle), n)) for i, n in enumerate(counts)]
+        knots = np.stack([np.interp(at, where, row) for row in np.eye(counts[index])], axis=1)
+        drift = [knots if i == index else np.zeros((len(angle), n)) for i, n in enumerate(counts)]
         always = [a, v, *(_relaxing(angle, t) for t in RELAXES), curve, *drift]
         steep = np.exp(STEEP * (angle - self.high))
         competing = [

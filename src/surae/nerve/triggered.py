@@ -27,10 +27,10 @@ def answering(recording: Recording, samples: Samples, direction: int) -> str:
     starts = _starts(samples, direction)
     if not muscles or len(starts) < FEWEST:
         return ""
-    found = {
+    latencies = {
         m: _latency(envelope(recording, m, samples.time), starts, samples.rate_hz) for m in muscles
     }
-    heard = [f"{MUSCLE_NAMES[m]} {1e3 * s:.0f} ms" for m, s in found.items() if s is not None]
+    heard = [f"{MUSCLE_NAMES[m]} {1e3 * s:.0f} ms" for m, s in latencies.items() if s is not None]
     way = "dorsiflexion" if direction > 0 else "plantarflexion"
     if heard:
         return Message(
@@ -49,7 +49,7 @@ def answering(recording: Recording, samples: Samples, direction: int) -> str:
 def _starts(samples: Samples, direction: int) -> list[int]:
     """Samples at which a fast stretch begins after rest."""
     rate = samples.rate_hz
-    found = []
+    starts = []
     short = max(round(0.005 * rate), 1)
     for span in samples.spans:
         angle = np.convolve(samples.angle[span], np.ones(short) / short, "same")
@@ -61,8 +61,8 @@ def _starts(samples: Samples, direction: int) -> list[int]:
             slow = speed[max(run.start - round(SLOW_BEFORE * rate), 0) : run.start]
             inside = before < run.start < len(angle) - after
             if inside and np.mean(np.abs(slow)) < 0.5 * speed[run].max():
-                found.append(span.start + run.start)
-    return found
+                starts.append(span.start + run.start)
+    return starts
 
 
 def _latency(emg: FloatArray, starts: list[int], rate: float) -> float | None:

@@ -50,7 +50,7 @@ def _moved_back(samples: Samples, as_it_is: Problem) -> Samples | None:
         return min(fits, key=lambda fitted: fitted.loss)
 
     least = 0.5 * best(as_it_is).loss
-    found = None
+    best_moved = None
     for late in LATER:
         n = round(late * samples.rate_hz)
         torque = np.concatenate([samples.torque[n:], np.full(n, samples.torque[-1])])
@@ -58,10 +58,10 @@ def _moved_back(samples: Samples, as_it_is: Problem) -> Samples | None:
         fitted = best(Problem(moved.pieces(), as_it_is.noise))
         if fitted.loss < least and min(fitted.values[n] for n in ("stiffness", "inertia")) > 0.0:
             least = fitted.loss
-            found = (late + fitted.values["late"], moved)
-    if found is None:
+            best_moved = (late + fitted.values["late"], moved)
+    if best_moved is None:
         return None
-    late, moved = found
+    late, moved = best_moved
     note = Message(
         N_(
             "The torque comes {late:.0f} ms later than the angle: it was moved "

@@ -105,8 +105,8 @@ def loop_of(recording: Recording, samples: Samples, pieces: Sequence[Piece]) -> 
     if free > NOT_ITS_OWN or not (yields or free > FREE):
         return Loop(yields or free > NOT_ITS_OWN)
     note = Message(BY_COMMAND, part=100.0 * free)
-    own = replace(samples, angle=followed, notes=(*samples.notes, note))
-    return Loop(True, own, free)
+    driven = replace(samples, angle=followed, notes=(*samples.notes, note))
+    return Loop(True, driven, free)
 
 
 def _moves_alone(samples: Samples, pieces: Sequence[Piece]) -> bool:
@@ -158,7 +158,7 @@ def moved_after(pieces: Sequence[Piece]) -> float:
     least = np.inf
     rows = free.y[None]
     for direction in (1, -1):
-        own = [
+        regressors = [
             np.concatenate(
                 [
                     lagged(p, direction, rate),
@@ -168,7 +168,7 @@ def moved_after(pieces: Sequence[Piece]) -> float:
             )
             for p in pieces
         ]
-        x = free.whitened(own)
+        x = free.whitened(regressors)
         left = free.y - solved(x, free.y) @ x
         if float(left @ left) < least:
             least = float(left @ left)
@@ -197,10 +197,12 @@ def following(command: FloatArray, angle: FloatArray, rate_hz: float) -> FloatAr
     The response is estimated at a coarse rate, by least squares of the differences.
     """
     step = max(1, round(rate_hz / _RATE))
-    told = command - command[0]
-    coarse = [resample_poly(of, 1, step) if step > 1 else of for of in (told, angle - angle[0])]
-    own = rate_hz / step
-    lags = np.arange(round(_LAGS[0] * own), round(_LAGS[1] * own) + 1)
+    commanded = command - command[0]
+    coarse = [
+        resample_poly(of, 1, step) if step > 1 else of for of in (commanded, angle - angle[0])
+    ]
+    rate = rate_hz / step
+    lags = np.arange(round(_LAGS[0] * rate), round(_LAGS[1] * rate) + 1)
     changes = [np.diff(of) for of in coarse]
     rows = np.stack([_shifted(changes[0], int(lag)) for lag in lags])
     response = solved(rows, changes[1], _RIDGE)
@@ -210,8 +212,8 @@ def following(command: FloatArray, angle: FloatArray, rate_hz: float) -> FloatAr
         response = response / step
     first = lags[0] * step
     pad = len(response)
-    whole = np.pad(told, pad, mode="edge")
-    followed = np.convolve(whole, response)[pad - first :][: len(told)]
+    whole = np.pad(commanded, pad, mode="edge")
+    followed = np.convolve(whole, response)[pad - first :][: len(commanded)]
     return np.asarray(followed + np.mean(angle - followed))
 
 

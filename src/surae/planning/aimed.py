@@ -69,10 +69,15 @@ def aimed_errors(
     )
     if wanted.anew is not None and wanted.is_change.any():
         # what both visits share is wrong alike and cancels: as if it were known
-        own = [i for i, name in enumerate(known_of.names) if not name.startswith(_SHARED)]
+        apart_names = [i for i, name in enumerate(known_of.names) if not name.startswith(_SHARED)]
         apart = np.array(
             [
-                2.0 * _along(matrix[np.ix_(own, own)], slopes[:, own], values[own])
+                2.0
+                * _along(
+                    matrix[np.ix_(apart_names, apart_names)],
+                    slopes[:, apart_names],
+                    values[apart_names],
+                )
                 for matrix, slopes, values in zip(
                     precision, wanted.slopes, legs.estimated, strict=True
                 )
@@ -112,10 +117,10 @@ def detectable(
         so in four of five cases: 2.8 standard errors of the difference, the foot mounted anew.
     """
     names = ",".join([*MEASURES, *(CHANGE + name for name in MEASURES)])
-    told = aimed_errors(trajectory, legs, noise, names, known)
+    errors = aimed_errors(trajectory, legs, noise, names, known)
 
     def shown(name: str) -> float | None:
-        error = told[CHANGE + name]
+        error = errors[CHANGE + name]
         return None if error is None else SHOWS * error
 
-    return {name: (told[name], shown(name)) for name in MEASURES}
+    return {name: (errors[name], shown(name)) for name in MEASURES}

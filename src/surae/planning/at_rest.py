@@ -66,30 +66,30 @@ def expected_at_rest(
     simulator = legs.spec.simulator(inputs, legs.options)
     sd = noise * np.sqrt(inputs.rate_hz / trajectory.settings.rate_hz)
     random = np.random.default_rng(_SEED)
-    found: list[dict[str, Measure]] = []
+    by_leg: list[dict[str, Measure]] = []
     for values in legs.values[:_LEGS]:
         torque = simulator.torque(np.array(values)) + sd * random.standard_normal(inputs.n)
         trial = replace(inputs, torque=read_only(torque))
         curve = curve_of((trial,), UNKNOWN)
         if isinstance(curve, RelaxedCurve):
-            found.append({m.name: m for m in measures_of_rest(curve)})
-    return FrozenDict(_middling(found))
+            by_leg.append({m.name: m for m in measures_of_rest(curve)})
+    return FrozenDict(_middling(by_leg))
 
 
-def _middling(found: list[dict[str, Measure]]) -> dict[str, ExpectedAtRest]:
+def _middling(by_leg: list[dict[str, Measure]]) -> dict[str, ExpectedAtRest]:
     """The middle of what was found, where most of the legs have it."""
     made = {}
-    for name in dict.fromkeys(name for each in found for name in each):
+    for name in dict.fromkeys(name for each in by_leg for name in each):
         if not name.startswith(_NAMES):
             continue
-        told = [m for each in found if (m := each[name]).value and m.ci95 is not None]
-        if 2 * len(told) <= len(found):
+        known = [m for each in by_leg if (m := each[name]).value and m.ci95 is not None]
+        if 2 * len(known) <= len(by_leg):
             continue
-        half = [_half(m.ci95, m.value) for m in told]
-        shown = [_half(m.ci95_device, m.value) for m in told if m.ci95_device is not None]
+        half = [_half(m.ci95, m.value) for m in known]
+        shown = [_half(m.ci95_device, m.value) for m in known if m.ci95_device is not None]
         made[name] = ExpectedAtRest(
-            told[0].unit,
-            float(np.median([m.value for m in told if m.value is not None])),
+            known[0].unit,
+            float(np.median([m.value for m in known if m.value is not None])),
             float(np.median(half)),
             float(np.median(shown)) if shown else None,
         )

@@ -53,10 +53,10 @@ class Design(Tabular, Comparable, Plain):
     def as_table(self) -> TextTable:
         """What it will tell, and what was given up."""
         table = self.expectation.as_table()
-        found = f"{self.curve[-1][0]:,} plans to the best"
+        plans = f"{self.curve[-1][0]:,} plans to the best"
         aims = [f"{name} {part(sem)}" for name, sem in self.aimed.items()]
         aimed = [f"standard error of what was aimed at: {', '.join(aims)}"] if aims else []
-        below = (*table.below, *self.notes, *aimed, f"{found}; {self.seconds:.0f} s")
+        below = (*table.below, *self.notes, *aimed, f"{plans}; {self.seconds:.0f} s")
         return replace(table, below=below)
 
     def write(self, path: PathLike, *, without_limits: str | None = None) -> None:

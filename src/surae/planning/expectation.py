@@ -167,7 +167,7 @@ class Expectation(Tabular, Comparable, Plain):
     @property
     def rest_told(self) -> Message:
         """What its rest will tell of the relaxed leg, a sentence."""
-        told = [
+        sentences = [
             f"{name} ±{100 * each.half_width:.0f} %"
             + (
                 ""
@@ -176,7 +176,7 @@ class Expectation(Tabular, Comparable, Plain):
             )
             for name, each in self.at_rest.items()
         ]
-        return Message("plan/at-rest", measures=", ".join(told))
+        return Message("plan/at-rest", measures=", ".join(sentences))
 
     def as_table(self) -> TextTable:
         """The table, as texts.
@@ -246,21 +246,21 @@ def expected(
         trial = information(trajectory, legs, noise)
         known = prior_precision(trial.names, legs) if known is None else known
         covariances = [estimated(trial.names, matrix + known) for matrix in trial.matrices]
-    own = legs.leg_parameters
+    names = legs.leg_parameters
     table = adapted(legs.spec.parameters, legs.options, legs.emg_unit)
-    columns = [legs.spec.names.index(name) for name in own]
-    relative = np.full((len(legs.values), len(own)), np.inf)
+    columns = [legs.spec.names.index(name) for name in names]
+    relative = np.full((len(legs.values), len(names)), np.inf)
     shares: list[dict[str, dict[str, float]]] = []
     for k, estimate in enumerate(covariances):
         if estimate is None:
             continue
-        for j, (name, column) in enumerate(zip(own, columns, strict=True)):
+        for j, (name, column) in enumerate(zip(names, columns, strict=True)):
             value = abs(float(legs.values[k, column]))
             if name in estimate.names and value > 0.0:
                 i = estimate.names.index(name)
                 sem = np.hypot(estimate.matrix[i, i] ** 0.5 / value, stays.get(name, 0.0) / NORMAL)
                 relative[k, j] = min(float(sem), now.get(name, np.inf) / NORMAL)
-        shares.append(_shares(estimate, own))
+        shares.append(_shares(estimate, names))
     # the leg whose largest error is the median one
     order = np.argsort(relative.max(axis=1), kind="stable")
     central = covariances[int(order[len(relative) // 2])]
@@ -269,18 +269,18 @@ def expected(
     middle = dict(zip(legs.spec.names, np.median(legs.values, axis=0).tolist(), strict=True))
     beyond = {} if legs.of_fit else assumed_sd(middle, legs.spec, legs.options, legs.priors)
     parameters = {}
-    for j, name in enumerate(own):
+    for j, name in enumerate(names):
         p = table[name]
         value = float(np.median(legs.values[:, columns[j]]))
         sem = None
         half = None
         errors = relative[:, j]
-        told = np.hypot(errors, beyond.get(name, 0.0))
-        share = float(np.mean(wide * told <= IDENTIFIED))
+        with_arms = np.hypot(errors, beyond.get(name, 0.0))
+        share = float(np.mean(wide * with_arms <= IDENTIFIED))
         verdict: Verdict
         if np.isfinite(errors).all() and central is not None:
             sem = float(np.sqrt(np.mean(errors**2)))
-            half = wide * float(np.sqrt(np.mean(told**2)))
+            half = wide * float(np.sqrt(np.mean(with_arms**2)))
             verdict, note = judge_interval(name, value, half * abs(value), central)
         else:
             verdict = Verdict.UNDETERMINED
@@ -321,17 +321,17 @@ def expected(
     )
 
 
-def _shares(known: Covariance, own: tuple[str, ...]) -> dict[str, dict[str, float]]:
+def _shares(known: Covariance, of_leg: tuple[str, ...]) -> dict[str, dict[str, float]]:
     """Parts of each variance by source, as the budget of a fit has them."""
     V = known.matrix
     names = known.names
     sources: dict[str, list[int]] = {}
     for j, name in enumerate(names):
-        if name not in own and (source := source_of(name)) is not None:
+        if name not in of_leg and (source := source_of(name)) is not None:
             sources.setdefault(source.name, []).append(j)
     everything = sorted(j for at in sources.values() for j in at)
     shares = {}
-    for name in own:
+    for name in of_leg:
         if name not in names:
             continue
         j = names.index(name)

@@ -81,15 +81,19 @@ def known_from(fit: AssessedFit, legs: Legs) -> FloatArray:
     trials share are in with their priors, once. The legs are those of the fit (`fit_legs`).
     """
     free = legs.free
-    own = legs.each_trial
-    alone = own | {n for n in free if n not in fit.result.problem.free}  # another film
+    each_trial = legs.each_trial
+    alone = each_trial | {n for n in free if n not in fit.result.problem.free}  # another film
     known = np.diag([legs.priors[n].sd ** -2.0 if n in alone else 0.0 for n in free])
-    told = fit.assessment.uncertainty.at_assumed  # no trial tells arms and paths
-    shares = {*free} - {*own, *told.lost}
-    names = [n for n in told.names if n in shares and told.budget(told.along(n)).sd > 0.0]
+    uncertainty = fit.assessment.uncertainty.at_assumed  # no trial tells arms and paths
+    shares = {*free} - {*each_trial, *uncertainty.lost}
+    names = [
+        n
+        for n in uncertainty.names
+        if n in shares and uncertainty.budget(uncertainty.along(n)).sd > 0.0
+    ]
     if names:
         at = [free.index(name) for name in names]
-        block = told.covariance(*names)
+        block = uncertainty.covariance(*names)
         scale = np.sqrt(np.diag(block))
         inverse = np.linalg.pinv(block / np.outer(scale, scale), hermitian=True)
         known[np.ix_(at, at)] += inverse / np.outer(scale, scale)
@@ -198,8 +202,8 @@ def _is_known(assessment: Assessment, name: str) -> bool:
     known = assessment.uncertainty
     if p.verdict is Verdict.IDENTIFIED or not (known.goes_with_geometry(name) and p.repeatable):
         return p.verdict is Verdict.IDENTIFIED
-    own = known.at_assumed
-    return own.half_width(own.along(name)) <= IDENTIFIED * abs(p.value)
+    uncertainty = known.at_assumed
+    return uncertainty.half_width(uncertainty.along(name)) <= IDENTIFIED * abs(p.value)
 
 
 def _remaining(
@@ -212,12 +216,12 @@ def _remaining(
     names = tuple(n for n in legs.free if n not in legs.each_trial)
     before = _half_widths(names, known, legs)
     stays = dict.fromkeys(before, 0.0)
-    told = assessment.uncertainty
+    uncertainty = assessment.uncertainty
     for name in legs.leg_parameters:
         value = abs(assessment.parameters[name].value)
         alone = before[name]
-        if name not in told.lost and value and np.isfinite(alone):
-            half = told.half_width(told.along(name)) / value
+        if name not in uncertainty.lost and value and np.isfinite(alone):
+            half = uncertainty.half_width(uncertainty.along(name)) / value
             stays[name] = max(half**2 - alone**2, 0.0) ** 0.5
     return {n: float(np.hypot(before[n], stays[n])) for n in before}, stays
 

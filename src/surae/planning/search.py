@@ -134,8 +134,8 @@ def _measure_slopes(
     # arms and paths that a fit estimates along act on a measure as they do on its parameters, and
     # mostly cancel: without them a torque would seem as unsure as the arms are
     also = [n for n in legs.free if n.startswith(_OF_LEG) or n in ("pt_tri", "pt_tib")]
-    own = (*legs.leg_parameters, *also)
-    base = {n: float(values[legs.spec.names.index(n)]) for n in own}
+    varied = (*legs.leg_parameters, *also)
+    base = {n: float(values[legs.spec.names.index(n)]) for n in varied}
 
     def measures_at(parameters: dict[str, float], turned: float = 0.0) -> FloatArray:
         return _measured(names, parameters, legs, moved, turned)
@@ -143,7 +143,7 @@ def _measure_slopes(
     here = measures_at(base)
     turned = np.abs(measures_at(base, _TURN) - measures_at(base, -_TURN)) / (2.0 * _TURN)
     slopes = np.zeros((len(names), len(legs.free)))
-    for name in own:
+    for name in varied:
         step = _STEP * max(abs(base[name]), legs.priors[name].sd if name in legs.priors else 0.0)
         above = base | {name: base[name] + step}
         below = base | {name: base[name] - step}
@@ -170,16 +170,18 @@ def _measured(
         for n in names
         if n in ends
     }
-    asked = [*stated.values(), *(one for own in parts.values() for one, _ in own)]
+    asked = [*stated.values(), *(one for pairs in parts.values() for one, _ in pairs)]
     angles = tuple(sorted({_angle(name) for name in asked})) or (0.0,)
     plain = [n for n in names if n not in stated and n not in parts]
-    told = measures_of_values(parameters, legs.spec.name, legs.options, angles, [*asked, *plain])
+    values_of = measures_of_values(
+        parameters, legs.spec.name, legs.options, angles, [*asked, *plain]
+    )
     made = []
     for name in names:
-        if name in parts and all(one in told for one, _ in parts[name]):
-            made.append(sum(by * told[one] for one, by in parts[name]))
-        elif stated.get(name, name) in told:
-            made.append(told[stated.get(name, name)])
+        if name in parts and all(one in values_of for one, _ in parts[name]):
+            made.append(sum(by * values_of[one] for one, by in parts[name]))
+        elif stated.get(name, name) in values_of:
+            made.append(values_of[stated.get(name, name)])
         else:
             every = measures_of_values(parameters, legs.spec.name, legs.options, angles)
             if name.partition("@")[0] in PLAIN:

@@ -126,14 +126,16 @@ def best_session(
 ) -> SessionPlan:
     """The best session of these kinds of trials, by name, within `minutes`: for an aim, or all."""
     with one_blas_thread():
-        told = [shared(information(each, legs, noise), legs) for each in trials.values()]
+        informations = [shared(information(each, legs, noise), legs) for each in trials.values()]
         kinds = [
             SessionStep(name, float(each.time[-1]) / 60.0 + _BETWEEN)
             for name, each in trials.items()
         ]
-        judge = _Judge(legs, told[0].names, [each.matrices for each in told])
+        judge = _Judge(legs, informations[0].names, [each.matrices for each in informations])
         every = (*_STEPS, *kinds)
-        aimed_at = None if aim is None else np.array([legs.free.index(n) for n in told[0].names])
+        aimed_at = (
+            None if aim is None else np.array([legs.free.index(n) for n in informations[0].names])
+        )
         best: tuple[float, float, tuple[int, ...]] | None = None
         for counts in product(*[range(2)] * len(_STEPS), *[range(_MOST)] * len(kinds)):
             spent = sum(n * step.minutes for n, step in zip(counts, every, strict=True))
@@ -174,13 +176,13 @@ def _ordered(
     before = 0.0
     while left:
         able = left if any(done[len(_STEPS) :]) else [j for j in left if j >= len(_STEPS)]
-        found = []
+        ranked = []
         for j in able:
             tried = [*done]
             tried[j] = chosen[j]
             known = float(judge(tuple(tried)).sum())
-            found.append(((known - before) / (chosen[j] * every[j].minutes), known, j))
-        _, before, j = max(found)
+            ranked.append(((known - before) / (chosen[j] * every[j].minutes), known, j))
+        _, before, j = max(ranked)
         done[j] = chosen[j]
         left.remove(j)
         skipped = tuple(0 if i == j else n for i, n in enumerate(chosen))

@@ -268,8 +268,8 @@ def _import_path() -> list[str]:
     first = sys.path[0] if sys.path else ""
     if path and path[0] == first and not sys.flags.safe_path and Path(first) == Path.cwd():
         del path[0]
-    own = str(Path(__file__).resolve().parents[2])
-    return path if own in path else [*path, own]
+    ours = str(Path(__file__).resolve().parents[2])
+    return path if ours in path else [*path, ours]
 
 
 def _conversation(

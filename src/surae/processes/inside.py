@@ -142,8 +142,8 @@ def _called(request: Mapping[str, Any], at_work: _AtWork) -> dict[str, Any]:
 
 def function(name: str) -> Callable[..., Any]:
     """The function that ``module:name`` means."""
-    module, _, own = name.partition(":")
-    called: Callable[..., Any] = getattr(import_module(module), own)
+    module, _, attribute = name.partition(":")
+    called: Callable[..., Any] = getattr(import_module(module), attribute)
     return called
 
 

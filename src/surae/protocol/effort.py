@@ -51,13 +51,13 @@ class Task:
             raise InputError(f"passive seconds {relaxed:g}: use 0 or more")
         if turns and self.passive_until == np.inf:
             raise InputError(f"turns: task {self.name!r} has no bursts; leave them out")
-        told = self.description
+        description = self.description
         if passive_seconds is not None:
-            told = f"Relaxed to {relaxed:g} s, then alternating bursts."
+            description = f"Relaxed to {relaxed:g} s, then alternating bursts."
         if turns:
-            told = f"{told} In turn: {', '.join(turns)}."
+            description = f"{description} In turn: {', '.join(turns)}."
         return replace(
-            self, passive_until=relaxed, description=told, turns=tuple(map(_turn, turns))
+            self, passive_until=relaxed, description=description, turns=tuple(map(_turn, turns))
         )
 
 
@@ -176,8 +176,8 @@ def task_bursts(task: "Task", end: float) -> Iterator[Burst]:
 
 def head_share(k: int, head: int) -> tuple[float, float]:
     """Part of a burst's level that a head gives in burst k, and of `GAP` by which it is late."""
-    own = _sequence(k, head + 2)
-    return 0.6 + 0.4 * own, own
+    share = _sequence(k, head + 2)
+    return 0.6 + 0.4 * share, share
 
 
 def effort(t: FloatArray, task: Task) -> FloatArray:

@@ -101,8 +101,8 @@ class Protocol(MotionSettings):
     @property
     def seconds(self) -> float:
         """The duration, the profile's own unless it was given [s]."""
-        own = named_profile(self.profile).duration
-        return own if self.duration is None else self.duration
+        usual = named_profile(self.profile).duration
+        return usual if self.duration is None else self.duration
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -233,10 +233,10 @@ def _profile(name: str, seconds: float, grid: _Grid) -> Motion:
     """
     profile = named_profile(name)
     stretch = profile.duration / seconds
-    own = _times(grid) * stretch
+    times = _times(grid) * stretch
     h = 2e-4
     here = _position(name, seconds, grid)
-    far_back, back, ahead, far_ahead = (profile.position(own + k * h) for k in (-2, -1, 1, 2))
+    far_back, back, ahead, far_ahead = (profile.position(times + k * h) for k in (-2, -1, 1, 2))
     speed = (far_back - 8 * back + 8 * ahead - far_ahead) / (12 * h)
     speeding = (-far_back + 16 * back - 30 * here + 16 * ahead - far_ahead) / (12 * h**2)
     return here, read_only(stretch * speed), read_only(stretch**2 * speeding)

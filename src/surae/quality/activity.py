@@ -181,19 +181,19 @@ def _stopped(trial: CheckedTrial) -> Iterator[Finding]:
 def silenced(trial: CheckedTrial) -> Iterator[Finding]:
     """Channels that fall silent for good, while heads beside them or the torque go on."""
     relative = {muscle: _relative(envelope) for muscle, envelope in trial.slow.items()}
-    for muscle, own in relative.items():
-        works = own > _WORKS
+    for muscle, level in relative.items():
+        works = level > _WORKS
         channel = trial.emg[muscle]
         rate = trial.rate_hz
-        end = len(own) - int(np.argmax(works[::-1])) + round(SLOW * rate)
+        end = len(level) - int(np.argmax(works[::-1])) + round(SLOW * rate)
         top = quantile(trial.slow[muscle], 0.98)
-        if end > len(own) - _AFTER * rate or trial.electrodes.rests(muscle, top):
+        if end > len(level) - _AFTER * rate or trial.electrodes.rests(muscle, top):
             continue
-        low, high = quantiles(trial.slow[muscle][(end + len(own)) // 2 :], 0.05, 0.98)
+        low, high = quantiles(trial.slow[muscle][(end + len(level)) // 2 :], 0.05, 0.98)
         if high > ONE_STRENGTH * low or (trial.emg_kind == "raw" and high == 0.0):
             continue  # it lives, or is flat, which is another finding
         heads = [relative[m] for m in trial.triceps if muscle not in (m, "ta")]
-        beside = np.max([np.zeros_like(own), *heads], axis=0) > _GO_ON
+        beside = np.max([np.zeros_like(level), *heads], axis=0) > _GO_ON
         with_them = works[:end][beside[:end]]
         after = beside[end:].sum() / rate
         lost = after >= _AFTER and len(with_them) >= _BEFORE * rate

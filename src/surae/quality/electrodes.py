@@ -73,23 +73,23 @@ class Electrodes:
 
     def works(self, muscle: str) -> bool:
         """Whether an electrode has shown its muscle's effort in some trial."""
-        own = self.levels.get(muscle)
-        return own is not None and own.works and own.top >= SILENT * self.strongest
+        level = self.levels.get(muscle)
+        return level is not None and level.works and level.top >= SILENT * self.strongest
 
     def rests(self, muscle: str, top: float) -> bool:
         """Whether a muscle is relaxed in a trial in which its level comes up to `top`."""
-        own = self.levels[muscle]
-        return not self.works(muscle) or top < max(RELAXED * own.top, VARIES * own.rest)
+        level = self.levels[muscle]
+        return not self.works(muscle) or top < max(RELAXED * level.top, VARIES * level.rest)
 
     def in_units(self, before: Recording, after: Recording) -> "Electrodes":
         """The same for a recording of which channels were brought to other units."""
         levels = dict(self.levels)
-        for muscle, own in levels.items():
+        for muscle, level in levels.items():
             pair = [of.channels.get(f"emg_{muscle}") for of in (before, after)]
             was, now = (0.0 if each is None else float(np.ptp(each.values)) for each in pair)
             if 0.0 < was != now:
-                rest, top, peak = (now / was * each for each in (own.rest, own.top, own.peak))
-                levels[muscle] = replace(own, rest=rest, top=top, peak=peak)
+                rest, top, peak = (now / was * each for each in (level.rest, level.top, level.peak))
+                levels[muscle] = replace(level, rest=rest, top=top, peak=peak)
         return replace(self, levels=levels)
 
 
@@ -112,6 +112,6 @@ def together(trials: Iterable[Electrodes]) -> Electrodes | None:
     every = list(trials)
     levels: dict[str, Electrode] = {}
     for trial in every:
-        for muscle, own in trial.levels.items():
-            levels[muscle] = own.beside(levels[muscle]) if muscle in levels else own
+        for muscle, level in trial.levels.items():
+            levels[muscle] = level.beside(levels[muscle]) if muscle in levels else level
     return Electrodes(levels, len(every)) if every else None

@@ -193,10 +193,12 @@ def aliased(trial: CheckedTrial) -> Iterator[Finding]:
         if total[strong[-quarter:]].mean() < _EFFORT * total[strong[:quarter]].mean():
             continue
         # of efforts alone: an amplifier's own noise is as loud at all frequencies
-        own = power[strong[-quarter:]].mean(axis=0) - power[strong[:quarter]].mean(axis=0)
+        of_effort = power[strong[-quarter:]].mean(axis=0) - power[strong[:quarter]].mean(axis=0)
         at = np.fft.rfftfreq(size) * channel.rate_hz
         near = at > _NYQUIST_PART * 0.5 * channel.rate_hz
-        ratio = float(own[near].mean() / max(own[(at > _EMG_HZ) & ~near].mean(), 1e-300))
+        ratio = float(
+            of_effort[near].mean() / max(of_effort[(at > _EMG_HZ) & ~near].mean(), 1e-300)
+        )
         if ratio > FOLDED:
             yield make_finding(
                 "emg-aliased",

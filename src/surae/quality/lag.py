@@ -113,10 +113,10 @@ def lead_of_onsets(signals: Signals) -> float | None:
     y = active(changes(torque))
     power = float(y @ y)
     sides: dict[str, list[FloatArray]] = {}
-    for muscle, own in signals.fast.items():
-        top = quantile(own, 0.98)
+    for muscle, envelope in signals.fast.items():
+        top = quantile(envelope, 0.98)
         if top > 0.0:
-            sides.setdefault("ta" if muscle == "ta" else "triceps", []).append(own / top)
+            sides.setdefault("ta" if muscle == "ta" else "triceps", []).append(envelope / top)
     if not sides or power <= 0.0:
         return None
     pulls = [

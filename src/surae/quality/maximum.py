@@ -42,10 +42,10 @@ def with_maximum(quality: Sequence[Quality], inputs: Sequence[ModelInputs]) -> t
     """
     made = []
     for each in quality:
-        own = [one for one in inputs if one.name.startswith(each.recording)]
-        own = own or (list(inputs) if len(quality) == 1 else [])
+        of_recording = [one for one in inputs if one.name.startswith(each.recording)]
+        of_recording = of_recording or (list(inputs) if len(quality) == 1 else [])
         most: dict[str | None, Finding] = {}
-        for finding in (f for one in own for f in above_maximum(one)):
+        for finding in (f for one in of_recording for f in above_maximum(one)):
             before = most.get(finding.channel)
             if before is None or (before.value or 0.0) < (finding.value or 0.0):
                 most[finding.channel] = finding

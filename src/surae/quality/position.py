@@ -156,8 +156,8 @@ def relaxed_speeds(trial: Signals) -> list[float]:
     speeds: list[float] = []
     relaxed = 0
     usual = [
-        (own, 2.0 * quantile(own, 0.25) + AT_REST * quantile(own, 0.999))
-        for own in trial.fast.values()
+        (envelope, 2.0 * quantile(envelope, 0.25) + AT_REST * quantile(envelope, 0.999))
+        for envelope in trial.fast.values()
     ]
     velocity = np.gradient(smooth(trial.angle, 3), 1.0 / trial.rate_hz)
     for begin, end in runs(velocity > RAMP[0]):
@@ -166,7 +166,7 @@ def relaxed_speeds(trial: Signals) -> list[float]:
         if moved > RAMP[1] and np.all(np.abs(held) < 4.0 * RAMP[0]):
             speeds.append(float(np.median(velocity[begin:end])))
             before = slice(max(begin - round(RESTS * trial.rate_hz), 0), begin + 1)
-            relaxed += all(own[before].mean() <= most for own, most in usual)
+            relaxed += all(envelope[before].mean() <= most for envelope, most in usual)
     return speeds if trial.torque is not None and relaxed >= 0.9 * len(speeds) else []
 
 
@@ -278,8 +278,8 @@ def _departure(trial: CheckedTrial) -> Iterator[Finding]:
     else:
         # A recognised profile was fitted to the angle's own samples.
         channel = trial.recording.channels["angle"]
-        own = channel.values[np.searchsorted(channel.time, commanded.time)]
-        best = (own - commanded.angle) * to_radians(channel)
+        measured = channel.values[np.searchsorted(channel.time, commanded.time)]
+        best = (measured - commanded.angle) * to_radians(channel)
         time = commanded.time
     span = float(np.ptp(trial.angle))
     left = np.abs(best)

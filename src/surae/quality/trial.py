@@ -122,9 +122,9 @@ def trial_of(
     torque = seen.torque
     slow = {muscle: smooth(e, round(SLOW * rate)) for muscle, e in seen.fast.items()}
     velocity = np.gradient(seen.angle, 1.0 / rate) if len(time) > 2 else np.zeros_like(time)
-    own = electrodes_of(recording, seen.fast, rate)
+    known = electrodes_of(recording, seen.fast, rate)
     if electrodes is not None:
-        own = Electrodes({**own.levels, **electrodes.levels}, electrodes.trials)
+        known = Electrodes({**known.levels, **electrodes.levels}, electrodes.trials)
     model = None
     if modelled and torque is not None:
         model = torque_model(time, rate, seen.angle, torque, seen.fast)
@@ -139,7 +139,7 @@ def trial_of(
         velocity=velocity,
         slow=slow,
         model=model,
-        electrodes=own,
+        electrodes=known,
         joint=joint,
         commanded=profile,
         effort=asked,

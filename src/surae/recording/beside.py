@@ -20,20 +20,20 @@ def description_beside(path: PathLike, names: Collection[str] | None = None) -> 
     `names` are the file's columns, where they are known. None where there is no such mapping, or
     where two say different things of these columns: then nobody knows which is meant.
     """
-    own = Path(path)
-    tomls = sorted(own.resolve().parent.glob("*.toml"))[:_MOST]
-    found: list[Description] = []
+    file = Path(path)
+    tomls = sorted(file.resolve().parent.glob("*.toml"))[:_MOST]
+    fitting: list[Description] = []
     for toml in tomls:
         with suppress(InputError):
             source = open_source(toml)
             if not recognises(source):
                 continue
             description = Description.of(source)
-            names = open_table(open_source(own), timed=False).names if names is None else names
+            names = open_table(open_source(file), timed=False).names if names is None else names
             if _is_of_one_file(description) and _columns(description) <= {*names}:
-                found.append(description)
-    alike = [each for each in found if _says(each) == _says(found[0])]
-    return found[0] if found and len(alike) == len(found) else None
+                fitting.append(description)
+    alike = [each for each in fitting if _says(each) == _says(fitting[0])]
+    return fitting[0] if fitting and len(alike) == len(fitting) else None
 
 
 def _is_of_one_file(description: Description) -> bool:

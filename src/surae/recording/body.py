@@ -143,13 +143,13 @@ def _without_headings(source: Source, head: TableHeading) -> tuple[Source, int]:
     lines = _LINE.findall(source.data)
     if head.row > len(lines):
         return source, 0
-    own = lines[head.row - 1].strip()
-    if not own or source.data.count(own) < 2:
+    heading = lines[head.row - 1].strip()
+    if not heading or source.data.count(heading) < 2:
         return source, 0
     whole = _is_row(head)
     again = 0
     for at in range(head.row, len(lines)):
-        if lines[at].strip() != own:
+        if lines[at].strip() != heading:
             continue
         again += 1
         above = at

@@ -51,8 +51,8 @@ def written_unit(table: Table, name: str, role: str | None = None) -> str | None
 
 def stated_unit(table: Table, role: str, name: str) -> Stated | None:
     """What the file itself states a column used as `role` to be in; None where that is unknown."""
-    own = stated(written_unit(table, name, role))
-    return own if own is not None and own.kind == kind(role) and own.unit else None
+    unit = stated(written_unit(table, name, role))
+    return unit if unit is not None and unit.kind == kind(role) and unit.unit else None
 
 
 def settle_unit(table: Table, role: str, name: str, unit: str | None, where: str) -> str:
@@ -61,15 +61,17 @@ def settle_unit(table: Table, role: str, name: str, unit: str | None, where: str
     It is refused where neither says it, it isn't known, or the two disagree. An EMG described as
     ``"1"`` has been normalised by its user and may disagree.
     """
-    own = stated_unit(table, role, name)
+    of_file = stated_unit(table, role, name)
     text = written_unit(table, name, role)
-    ours = own is not None and own.scale == 1.0 and not own.per_kg
+    ours = of_file is not None and of_file.scale == 1.0 and not of_file.per_kg
     if unit is None:
-        if own is not None and ours:
-            return own.unit
+        if of_file is not None and ours:
+            return of_file.unit
         says = "states none" if text is None else f"says {text!r}"
-        means = f": unit = {own.unit!r}, scale = {own.scale:.6g}" if own is not None else ""
-        means += " times the body's mass in kg" if own is not None and own.per_kg else ""
+        means = (
+            f": unit = {of_file.unit!r}, scale = {of_file.scale:.6g}" if of_file is not None else ""
+        )
+        means += " times the body's mass in kg" if of_file is not None and of_file.per_kg else ""
         allowed = ", ".join(FACTORS[kind(role)])
         raise InputError(
             f"{where}: unit is missing and {table.file} {says} for column {name!r}; "
@@ -77,10 +79,10 @@ def settle_unit(table: Table, role: str, name: str, unit: str | None, where: str
         )
     unit = spelled(unit) or plain(unit)
     to_si(role, unit, where)
-    if own is not None and ours and unit not in (own.unit, "1"):
+    if of_file is not None and ours and unit not in (of_file.unit, "1"):
         raise InputError(
-            f"{where}: unit {unit!r} contradicts {table.file}, which states {own.unit!r} for "
-            f"column {name!r}; write {own.unit!r}, with a scale if the file is wrong"
+            f"{where}: unit {unit!r} contradicts {table.file}, which states {of_file.unit!r} for "
+            f"column {name!r}; write {of_file.unit!r}, with a scale if the file is wrong"
         )
     return unit
 

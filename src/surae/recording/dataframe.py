@@ -55,13 +55,13 @@ def of_frame(table: DataFrame) -> Recording:
             named[ours] = name
             data[ours] = table[column]
     time_name, time = _time(table, {name: data[name] for name in data if name in TIMES})
-    own = table.attrs.get("times") == "own"
+    gaps = table.attrs.get("times") == "own"
 
     def load(wanted: Sequence[str]) -> dict[str, Column]:
         columns = {}
         for name in wanted:
             values = _numbers(data[name], name)
-            rows = np.flatnonzero(~np.isnan(values)) if own else np.arange(len(values))
+            rows = np.flatnonzero(~np.isnan(values)) if gaps else np.arange(len(values))
             columns[name] = Column(
                 name, freeze(time[rows]), freeze(values[rows]), time_name, in_row(rows)
             )
@@ -76,12 +76,12 @@ def of_frame(table: DataFrame) -> Recording:
 def _our_name(name: str, unit: Any) -> str | None:
     """The name that a column would have in our CSV; None where it is none of ours."""
     where = f"{_WHERE}: column {name!r}"
-    role, own = NAMES.get(plain(name), (plain(name).casefold(), None))
+    role, by_name = NAMES.get(plain(name), (plain(name).casefold(), None))
     if name in TIMES:
         return name
     if role not in ROLES:
         return None
-    if unit is None and own is None:
+    if unit is None and by_name is None:
         raise InputError(
             f"{where}: its unit is missing; name it {role}_{SI[kind(role)].replace('/', '_')}, or "
             'say it in attrs["units"]'
@@ -89,10 +89,12 @@ def _our_name(name: str, unit: Any) -> str | None:
     if unit is not None:
         known = spelled(str(unit)) or str(unit)
         to_si(role, known, where)
-        if own not in (None, known):
-            raise InputError(f'{where}: it is in {own} by its name, in {unit} by attrs["units"]')
-        own = known
-    return f"{role}_{str(own).replace('/', '_')}"
+        if by_name not in (None, known):
+            raise InputError(
+                f'{where}: it is in {by_name} by its name, in {unit} by attrs["units"]'
+            )
+        by_name = known
+    return f"{role}_{str(by_name).replace('/', '_')}"
 
 
 def _time(table: DataFrame, times: dict[str, Any]) -> tuple[str, FloatArray]:

@@ -125,8 +125,8 @@ def table_of(
         return {name: replace(each, time=even, time_name="time") for name, each in loaded.items()}
 
     def retimed(column: str, unit: str) -> Table:
-        own = Clock(column, unit, "as the mapping says")
-        return table_of(source, head, own, form=form, remark=remark, given=True)
+        clock = Clock(column, unit, "as the mapping says")
+        return table_of(source, head, clock, form=form, remark=remark, given=True)
 
     times = {time, *(each.column for each in apart.values())}
     others = tuple(name for name in names if name and name not in times)
@@ -231,11 +231,11 @@ def _plausible(rows: Rows, clock: Clock) -> tuple[Clock, str]:
     if (since := unit_since_epoch(values)) not in ("", "s"):
         said = f"{clock.column!r} is taken as {since}: it is the time of day and year in that unit"
         return replace(clock, unit=since), said
-    found = time_by_shape({clock.column: values})
-    if found is None or found.unit == "s":
+    by_shape = time_by_shape({clock.column: values})
+    if by_shape is None or by_shape.unit == "s":
         return clock, ""
     step = float(np.median(np.diff(values)))
     if step < 5.0:  # a slow recording in seconds
         return clock, ""
-    said = f"{clock.column!r} is taken as {found.unit}: in s it would be {1 / step:.3g} Hz"
-    return replace(clock, unit=found.unit), said
+    said = f"{clock.column!r} is taken as {by_shape.unit}: in s it would be {1 / step:.3g} Hz"
+    return replace(clock, unit=by_shape.unit), said

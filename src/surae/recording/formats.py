@@ -96,18 +96,18 @@ def open_table(source: Source, *, timed: bool = True) -> Table:
 
 def _printable(table: Table) -> Table:
     """A table whose texts can be shown and written anywhere."""
-    own = {cleaned(name): name for name in reversed((*table.names, table.time_name))}
+    original = {cleaned(name): name for name in reversed((*table.names, table.time_name))}
     retimed: Any = table.retimed
     cells: Any = table.cells
-    if all(name == its for name, its in own.items()):
+    if all(name == its for name, its in original.items()):
         names = table.names
         load = table.load
     else:
         names = tuple(map(cleaned, table.names))
 
         def load(wanted: Sequence[str]) -> Mapping[str, Column]:
-            loaded = table.load([own[name] for name in wanted])
-            return {name: replace(loaded[own[name]], name=name) for name in wanted}
+            loaded = table.load([original[name] for name in wanted])
+            return {name: replace(loaded[original[name]], name=name) for name in wanted}
 
     return replace(
         table,
@@ -120,8 +120,8 @@ def _printable(table: Table) -> Table:
         notes={key: cleaned(text) for key, text in table.notes.items()},
         offered=table.offered and replace(table.offered, column=cleaned(table.offered.column)),
         retimed=table.retimed
-        and (lambda name, unit: _printable(retimed(own.get(name, name), unit))),
-        cells=table.cells and (lambda name: cells(own[name])),
+        and (lambda name, unit: _printable(retimed(original.get(name, name), unit))),
+        cells=table.cells and (lambda name: cells(original[name])),
     )
 
 

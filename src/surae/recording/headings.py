@@ -160,8 +160,8 @@ def _above_numbers(source: Source, notes: Mapping[str, str]) -> TableHeading | N
             if len({len(row) for row in block}) > 1 or lines[at].lstrip().startswith("#"):
                 continue
             if all(_is_numbers(row, delimiter) for row in block):
-                found = _names_above(lines, at, len(block[0]), delimiter, notes)
-                return None if found is None else _whole(source, found)
+                heading = _names_above(lines, at, len(block[0]), delimiter, notes)
+                return None if heading is None else _whole(source, heading)
     return None
 
 
@@ -181,8 +181,8 @@ def _names_above(
                 if sum(known) > len(known) / 2 and row > 0:  # of units: names are above
                     above = _names_above(lines, row, count, delimiter, notes)
                     if above is not None:
-                        own = {n: c for n, c in zip(above.names, cells, strict=True) if c}
-                        return replace(above, row=at, units=own)
+                        units = {n: c for n, c in zip(above.names, cells, strict=True) if c}
+                        return replace(above, row=at, units=units)
                 return TableHeading(at, tuple(cells), delimiter, notes)
         return None
     return None

@@ -26,10 +26,10 @@ def _guess_of(table: Table, name: str, unit: str | None) -> Guess | None:
     """The role of a column by its name, or by what its file says of it beside."""
     guess = guess_role(name, unit)
     vague = guess is None or guess.role is None or guess.confidence == "possible"
-    if vague and (told := table.descriptions.get(name)):
-        by_it = guess_role(told, unit)
+    if vague and (described := table.descriptions.get(name)):
+        by_it = guess_role(described, unit)
         if by_it is not None and (guess is None or by_it.role is not None):
-            return replace(by_it, rule=f"{by_it.rule}, in its description {told!r}")
+            return replace(by_it, rule=f"{by_it.rule}, in its description {described!r}")
     return guess
 
 

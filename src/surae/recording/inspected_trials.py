@@ -78,12 +78,14 @@ def inspect_trials(
     if not single:
         path, why = next(iter(aside.items()))
         raise InputError(f"{shown(path)}: {why}")
-    found = _of_several(single, side)
+    inspected = _of_several(single, side)
     lines = tuple(f"set aside: {shown(path)}: {why}" for path, why in aside.items())
     lines += tuple(_shared_mappings(single))
-    if isinstance(found, Inspection):
-        return replace(found, advice=(*found.advice, *lines))
-    return replace(found, typical=replace(found.typical, advice=(*found.typical.advice, *lines)))
+    if isinstance(inspected, Inspection):
+        return replace(inspected, advice=(*inspected.advice, *lines))
+    return replace(
+        inspected, typical=replace(inspected.typical, advice=(*inspected.typical.advice, *lines))
+    )
 
 
 def _shared_mappings(single: Mapping[Path, Inspection]) -> Iterator[str]:
@@ -97,17 +99,17 @@ def _shared_mappings(single: Mapping[Path, Inspection]) -> Iterator[str]:
             wanted = {channel.column for channel in description.mapped().channels.values()}
             if len(description.named) != 1 or description.patterns:
                 continue
-            own = Path(description.named[0]).name
+            mapped = Path(description.named[0]).name
             alike = [
                 path
-                for path, found in single.items()
+                for path, inspected in single.items()
                 if path.parent == folder
-                and path.name != own
-                and wanted <= {channel.column for channel in found.channels}
+                and path.name != mapped
+                and wanted <= {channel.column for channel in inspected.channels}
             ]
             if alike:
                 yield (
-                    f"{shown(toml)} maps {own}, and {some([path.name for path in alike], 3)} "
+                    f"{shown(toml)} maps {mapped}, and {some([path.name for path in alike], 3)} "
                     f"{'has' if len(alike) == 1 else 'have'} the same columns: one mapping does "
                     f"for all of them, with --mapping {shown(toml)}"
                 )
@@ -139,9 +141,9 @@ def trials_text(inspected: InspectedTrials, folder: PathLike) -> str:
     """The mapping of all trials, to be in `folder`; what differs is a line each."""
     text = mapping_text(inspected.typical, folder, inspected.files, inspected.folder)
     lines = [text.rstrip("\n"), *(f"# {text}" for text in inspected.directions), ""]
-    if own := [difference for difference in inspected.differences if difference.line]:
+    if written := [difference for difference in inspected.differences if difference.line]:
         lines.append("[trials]  # check: what differs in single trials")
-        lines += [f"{each.line}  # {each.text}" for each in own]
+        lines += [f"{each.line}  # {each.text}" for each in written]
     else:
         lines.append("# What differs in a single trial is a line in [trials], such as:")
         lines.append(f"# [trials]\n# {toml_value(inspected.trials[-1])}.torque.sign = -1")
@@ -168,7 +170,7 @@ def _together(
             for name, trial in each.items()
             for difference in _differences(name, trial, each[typical], typical)
         ),
-        directions=tuple(f"{name}: {own.direction}" for name, own in each.items() if own.direction),
+        directions=tuple(f"{name}: {one.direction}" for name, one in each.items() if one.direction),
         folder=Path(folder).name or "session",
     )
 
@@ -184,25 +186,25 @@ def _differences(
         differences.append(TrialDifference(name, text, whole))
 
     for role, channel in typical.roles.items():
-        own = next((c for c in trial.channels if c.column == channel.column and c.usable), None)
-        if own is None and (own := trial.roles.get(role)) is not None:
-            text = f"{role} is column {own.column!r}, not {channel.column!r}"
-            differs(text, f"{role}.column = {toml_value(own.column)}")
-        if own is None:
+        there = next((c for c in trial.channels if c.column == channel.column and c.usable), None)
+        if there is None and (there := trial.roles.get(role)) is not None:
+            text = f"{role} is column {there.column!r}, not {channel.column!r}"
+            differs(text, f"{role}.column = {toml_value(there.column)}")
+        if there is None:
             if role == "angle":  # which no trial can do without
                 differs(f"no column {channel.column!r}: it has {some(columns)}")
             else:
                 differs(f"no column {channel.column!r}", f"{role} = false")
             continue
-        unit = own.known_unit
+        unit = there.known_unit
         its = channel.known_unit
         if unit is not None and its is not None and unit != its:
             differs(
                 f"{role} is in {unit}, that of {like} in {its}", f"{role}.unit = {toml_value(unit)}"
             )
         its_rate = channel.rate_hz or 0.0
-        if abs((own.rate_hz or 0.0) - its_rate) > _SAME_RATE * its_rate:
-            rates = [f"{r:.6g} Hz" if r else "no rate" for r in (own.rate_hz, channel.rate_hz)]
+        if abs((there.rate_hz or 0.0) - its_rate) > _SAME_RATE * its_rate:
+            rates = [f"{r:.6g} Hz" if r else "no rate" for r in (there.rate_hz, channel.rate_hz)]
             differs(f"{role} has {rates[0]}, that of {like} {rates[1]}")
     if None not in (trial.emg, typical.emg) and trial.emg != typical.emg:
         text = f"EMG looks {trial.emg}, that of {like} {typical.emg}"

@@ -141,30 +141,30 @@ def recording_by_names(path: PathLike) -> Recording | None:
     angle or what the EMG is stays open. A channel that is there, but unusable, or whose unit is not
     stated, is an InputError: none is guessed.
     """
-    found = inspect(path)
-    emg = [role for role in found.roles if role.startswith("emg_")]
-    if found.faults:
-        raise InputError(f"{shown(path)}: {'; '.join(found.faults)}")
-    if "angle" not in found.roles or found.open or (emg and found.emg is None):
+    inspected = inspect(path)
+    emg = [role for role in inspected.roles if role.startswith("emg_")]
+    if inspected.faults:
+        raise InputError(f"{shown(path)}: {'; '.join(inspected.faults)}")
+    if "angle" not in inspected.roles or inspected.open or (emg and inspected.emg is None):
         return None
-    if unknown := _units_unknown(found.roles):
+    if unknown := _units_unknown(inspected.roles):
         raise InputError(
             f"{shown(path)}: {unknown}; settle it in a mapping, which `surae inspect FILE --output "
             "MAP.toml` begins"
         )
     source = open_source(path)
     table = open_table(source)
-    columns = table.load(tuple(c.column for c in found.roles.values()))
+    columns = table.load(tuple(c.column for c in inspected.roles.values()))
     channels = {}
-    for role, each in found.roles.items():
+    for role, each in inspected.roles.items():
         scaling = Scaling(each.known_unit or "", scale=each.scale)
-        own = read_channel(role, columns[each.column], scaling, table)
-        channels[role] = replace(own, source=f"{own.source}; {BY_NAME}")
+        read = read_channel(role, columns[each.column], scaling, table)
+        channels[role] = replace(read, source=f"{read.source}; {BY_NAME}")
     return Recording(
         name=source.name,
         channels=channels,
-        emg=found.emg or "raw",
-        side=found.side,
+        emg=inspected.emg or "raw",
+        side=inspected.side,
         files=(source.file,),
     )
 
@@ -231,14 +231,14 @@ def _of_their_joint(channels: Sequence[InspectedChannel]) -> list[InspectedChann
     for channel in channels:
         guess = channel.guess
         other = other_joint(channel.column)
-        own = f"of the {other}, not the ankle" if other else ""
+        remark = f"of the {other}, not the ankle" if other else ""
         if other == "knee" and unit_kind(channel.unit) in (None, "angle"):
-            own += " (second_angle of a geometry over both)"
-        if not own and is_plate_moment(channel.column, channel.unit):
-            own = "a moment about an axis of a force plate or load cell, not the ankle's"
+            remark += " (second_angle of a geometry over both)"
+        if not remark and is_plate_moment(channel.column, channel.unit):
+            remark = "a moment about an axis of a force plate or load cell, not the ankle's"
         changed: dict[str, Any] = {}
         if guess is None:
-            changed["remark"] = "; ".join(filter(None, (own, channel.remark)))
+            changed["remark"] = "; ".join(filter(None, (remark, channel.remark)))
         elif joint and guess.role and guess.confidence == "likely":
             rule = f"{guess.rule}, and the muscles are of the {joint}: is it the ankle's?"
             changed["guess"] = replace(guess, confidence="possible", rule=rule)

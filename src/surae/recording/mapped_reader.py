@@ -43,25 +43,25 @@ class MappedReader:
     def channels(self, described: Mapping[str, MappedChannel]) -> dict[str, Channel]:
         """The channels that are described, in SI units."""
         tables = self._tables(described)
-        for role, own in described.items():
+        for role, each in described.items():
             table = tables[role]
-            if own.time is not None:
-                tables[role] = timed_by(table, *column_of(own.time), self._at(role))
+            if each.time is not None:
+                tables[role] = timed_by(table, *column_of(each.time), self._at(role))
         columns = self._loaded(described, tables)
         by_clock = {r: c for r, c in columns.items() if described[r].start_s is None}
         columns |= on_one_clock(by_clock)
         channels: dict[str, Channel] = {}
-        for role, own in described.items():
+        for role, each in described.items():
             table = tables[role]
-            unit = settle_unit(table, role, own.column, own.unit, self._at(role))
-            column = _timed(own, columns[role], table, self._at(role))
-            if own.wrap is not None:
-                column = replace(column, values=freeze(np.unwrap(column.values, period=own.wrap)))
-            offset = own.offset
+            unit = settle_unit(table, role, each.column, each.unit, self._at(role))
+            column = _timed(each, columns[role], table, self._at(role))
+            if each.wrap is not None:
+                column = replace(column, values=freeze(np.unwrap(column.values, period=each.wrap)))
+            offset = each.offset
             note = ""
-            if own.zero is not None:
-                offset, note = self._zero(role, own, own.zero, column, unit)
-            scaling = Scaling(unit, own.sign, own.scale, offset, note, own.bridge_s)
+            if each.zero is not None:
+                offset, note = self._zero(role, each, each.zero, column, unit)
+            scaling = Scaling(unit, each.sign, each.scale, offset, note, each.bridge_s)
             channels[role] = channel(role, column, scaling, table)
         return channels
 
@@ -85,30 +85,30 @@ class MappedReader:
 
     def _tables(self, described: Mapping[str, MappedChannel]) -> dict[str, Table]:
         """The table of every channel's file."""
-        named = {own.file for own in described.values()}
+        named = {one.file for one in described.values()}
         # A description of one file, given for another: it is the layout that is meant.
         layout = self.data is not None and len(named) == 1 and TRIAL not in str(named)
         tables = {}
-        for role, own in described.items():
+        for role, one in described.items():
             where = self._at(role)
-            if not own.column:
+            if not one.column:
                 raise InputError(f"{where}: column is missing")
-            if self.data is not None and (layout or own.file is None):
+            if self.data is not None and (layout or one.file is None):
                 path = self.data
-            elif own.file is None or (self.trial is None and TRIAL in own.file):
-                lacks = "file is missing" if own.file is None else f"file is {own.file!r}"
+            elif one.file is None or (self.trial is None and TRIAL in one.file):
+                lacks = "file is missing" if one.file is None else f"file is {one.file!r}"
                 raise InputError(
                     f"{where}: {lacks}: name the file, or give this mapping of many files by "
                     "--mapping, with the files"
                 )
-            elif self.trial is not None and TRIAL not in own.file:
+            elif self.trial is not None and TRIAL not in one.file:
                 raise InputError(
-                    f"{where}: file {own.file!r} is one and the same for all trials; write it with "
+                    f"{where}: file {one.file!r} is one and the same for all trials; write it with "
                     '"{trial}", or leave `file` out'
                 )
             else:
-                path = self.folder / self._named(own.file)
-            tables[role] = self._table(path, own, where)
+                path = self.folder / self._named(one.file)
+            tables[role] = self._table(path, one, where)
         return tables
 
     def _named(self, file: str) -> str:
@@ -131,7 +131,9 @@ class MappedReader:
             table = one_trial(table, chosen, self.source.shown)
         return table
 
-    def _table(self, path: Path, own: MappedChannel, where: str, *, quiet: bool = False) -> Table:
+    def _table(
+        self, path: Path, mapped: MappedChannel, where: str, *, quiet: bool = False
+    ) -> Table:
         """A data file's table that has the channel's column; errors say where it is named."""
         if path not in self.opened:
             with within(where):
@@ -139,21 +141,21 @@ class MappedReader:
                 table = open_table(source, timed=False)
             self.opened[path] = source, self._arranged(table, quiet)
         table = self.opened[path][1]
-        count = table.names.count(own.column)
+        count = table.names.count(mapped.column)
         if count > 1:
             raise InputError(
-                f"{where}: {table.file} has {count} columns {some([own.column])}; rename one"
+                f"{where}: {table.file} has {count} columns {some([mapped.column])}; rename one"
             )
         if count == 0:
-            near = difflib.get_close_matches(own.column, table.names, n=3, cutoff=0.5)
+            near = difflib.get_close_matches(mapped.column, table.names, n=3, cutoff=0.5)
             has = f"did you mean {some(near)}?" if near else f"it has: {some(table.names)}"
-            raise InputError(f"{where}: {table.file} has no column {some([own.column])}; {has}")
+            raise InputError(f"{where}: {table.file} has no column {some([mapped.column])}; {has}")
         return table
 
     def _zero(
         self,
         role: str,
-        own: MappedChannel,
+        mapped: MappedChannel,
         zero: str | tuple[float, float],
         column: Column,
         unit: str,
@@ -164,7 +166,9 @@ class MappedReader:
             path = self.folder / self._named(zero)
             if not path.exists():
                 path = Path(self.source.path).parent / self._named(zero)
-            quiet = self._table(path, own, where, quiet=True).load([own.column])[own.column]
+            quiet = self._table(path, mapped, where, quiet=True).load([mapped.column])[
+                mapped.column
+            ]
             time = quiet.time
             values = quiet.values
             origin = shown(path.name)
@@ -175,21 +179,21 @@ class MappedReader:
             values = column.values[inside]
             origin = f"{start:g} to {end:g} s"
         if len(values) < 2 or not np.isfinite(values).all():
-            raise InputError(f"{where}: {origin} holds no finite samples of {own.column!r}")
+            raise InputError(f"{where}: {origin} holds no finite samples of {mapped.column!r}")
         if role in _REST:
             parts = min(max(round(float(time[-1] - time[0]) / _PART), 2), len(values))
             means = [float(part.mean()) for part in np.array_split(values, parts)]
             change = max(means) - min(means)
-            factor = abs(own.scale) * to_si(role, unit, "")
+            factor = abs(mapped.scale) * to_si(role, unit, "")
             range_ = float(np.ptp(column.values[np.isfinite(column.values)]))
             if change > _QUIET * range_ and factor * change > _REST[role]:
                 raise InputError(
-                    f"{where}: {own.column!r} is not quiet in {origin}: it changes by "
-                    f"{abs(own.scale) * change:.3g} {unit}; name a trial or a stretch in which "
+                    f"{where}: {mapped.column!r} is not quiet in {origin}: it changes by "
+                    f"{abs(mapped.scale) * change:.3g} {unit}; name a trial or a stretch in which "
                     "nothing happens"
                 )
-        mean = own.scale * float(values.mean())
-        return -mean, f"zero {mean:.4g} ± {abs(own.scale) * float(values.std()):.2g} of {origin}"
+        mean = mapped.scale * float(values.mean())
+        return -mean, f"zero {mean:.4g} ± {abs(mapped.scale) * float(values.std()):.2g} of {origin}"
 
 
 def column_of(time: str | MappedTime) -> tuple[str, str | None]:
@@ -197,9 +201,9 @@ def column_of(time: str | MappedTime) -> tuple[str, str | None]:
     return (time, None) if isinstance(time, str) else (time.column, time.unit)
 
 
-def _timed(own: MappedChannel, column: Column, table: Table, where: str) -> Column:
+def _timed(mapped: MappedChannel, column: Column, table: Table, where: str) -> Column:
     """A channel's column, with the times of its own clock where it has one."""
-    if own.rate_hz is not None:
+    if mapped.rate_hz is not None:
         backs = fallbacks(column.time) if column.time_name else _frames_back(table, column)
         if n := len(backs):
             raise InputError(
@@ -207,16 +211,16 @@ def _timed(own: MappedChannel, column: Column, table: Table, where: str) -> Colu
                 "rate_hz would "
                 "join them; say which with trial = { column = … } or { index = … }, at the top"
             )
-        even = instants(own.start_s or 0.0, own.rate_hz, len(column.time))
-        return _clocked(replace(column, time=even), own)
+        even = instants(mapped.start_s or 0.0, mapped.rate_hz, len(column.time))
+        return _clocked(replace(column, time=even), mapped)
     if not column.time_name:
         raise InputError(
-            f"{where}: {table.file} has no times of {own.column!r}: give start_s, when the "
+            f"{where}: {table.file} has no times of {mapped.column!r}: give start_s, when the "
             "recording's clock shows its first sample, and rate_hz, its samples a second"
         )
-    if own.start_s is not None and len(column.time):
-        column = replace(column, time=as_read_only(column.time - column.time[0] + own.start_s))
-    return _clocked(column, own)
+    if mapped.start_s is not None and len(column.time):
+        column = replace(column, time=as_read_only(column.time - column.time[0] + mapped.start_s))
+    return _clocked(column, mapped)
 
 
 def _frames_back(table: Table, column: Column) -> IndexArray:
@@ -228,12 +232,12 @@ def _frames_back(table: Table, column: Column) -> IndexArray:
     return frames_begin_again(c for c in loaded.values() if len(c.values) == len(column.values))
 
 
-def _clocked(column: Column, own: MappedChannel) -> Column:
+def _clocked(column: Column, mapped: MappedChannel) -> Column:
     """A column whose clock is slow or fast, in true time; a first instant that is given is true."""
-    if not own.clock_ppm or not len(column.time):
+    if not mapped.clock_ppm or not len(column.time):
         return column
-    true = 0.0 if own.start_s is None else own.start_s
-    time = true + (column.time - true) / (1.0 + 1e-6 * own.clock_ppm)
-    said = f"clock {own.clock_ppm:g} ppm {'fast' if own.clock_ppm > 0 else 'slow'}, corrected"
+    true = 0.0 if mapped.start_s is None else mapped.start_s
+    time = true + (column.time - true) / (1.0 + 1e-6 * mapped.clock_ppm)
+    said = f"clock {mapped.clock_ppm:g} ppm {'fast' if mapped.clock_ppm > 0 else 'slow'}, corrected"
     remark = "; ".join(filter(None, (column.remark, said)))
     return replace(column, time=as_read_only(time), remark=remark)

@@ -102,8 +102,8 @@ class Description:
 
         A channel without a file is in the trial's own, which then says which trial it is.
         """
-        own = any(channel.file is None for channel in self.mapped().channels.values())
-        return () if own else tuple(file for file in self.named if TRIAL in file)
+        in_trial = any(channel.file is None for channel in self.mapped().channels.values())
+        return () if in_trial else tuple(file for file in self.named if TRIAL in file)
 
     @property
     def named(self) -> tuple[str, ...]:
@@ -134,14 +134,16 @@ class Description:
             self._whole.append(made)
         return made
 
-    def _merged(self, own: Any, where: str) -> dict[str, Any]:
+    def _merged(self, differing: Any, where: str) -> dict[str, Any]:
         """What differs in a trial, put into what holds for all."""
-        if not isinstance(own, dict):
-            raise InputError(f"{where} is {brief(own)}; write what differs, as torque.sign = -1")
+        if not isinstance(differing, dict):
+            raise InputError(
+                f"{where} is {brief(differing)}; write what differs, as torque.sign = -1"
+            )
         merged = {}
         channels = dict(self.toml["channels"])
         opened = self.toml.get("open", ())
-        for key, value in own.items():
+        for key, value in differing.items():
             both = isinstance(value, dict) and isinstance(self.toml.get(key), dict)
             if key in _OF_A_TRIAL:
                 merged[key] = {**self.toml[key], **value} if both else value
@@ -199,12 +201,12 @@ class Description:
         folder = Path(self.source.path).parent if data is None else self.trial_of(data)[1]
         first = next(iter(self.mapped().channels.values()))
         path = Path(data) if data is not None else folder / str(first.file)
-        own = mapped.time
+        time = mapped.time
         table = open_table(open_source(path), timed=False)
-        if own is not None and chosen.inside is None:
-            table = timed_by(table, *column_of(own), self.source.shown)
-        found = chosen_trials(table, chosen, self.source.shown)
-        return dict(zip(found.names, found.choices, strict=True))
+        if time is not None and chosen.inside is None:
+            table = timed_by(table, *column_of(time), self.source.shown)
+        trials = chosen_trials(table, chosen, self.source.shown)
+        return dict(zip(trials.names, trials.choices, strict=True))
 
     def read(
         self,

@@ -125,8 +125,8 @@ def read_trials(
     right = Corrections(**given)
     made = []
     for name, chosen in within.items():
-        own = description.read(data, chosen=chosen)
-        made.append(right(replace(own, name=f"{own.name}-{name}")))
+        recording = description.read(data, chosen=chosen)
+        made.append(right(replace(recording, name=f"{recording.name}-{name}")))
     return made
 
 
@@ -219,7 +219,7 @@ def data_files_below(folder: PathLike) -> list[Path]:
     files = data_files(folder)
     if any(map(is_recording, files)):
         return files
-    found: list[Path] = []
+    below: list[Path] = []
     folders = [Path(folder)]
     for _ in range(_DEEPEST):
         folders = [
@@ -228,13 +228,13 @@ def data_files_below(folder: PathLike) -> list[Path]:
             for inner in sorted(outer.iterdir())
             if inner.is_dir() and not inner.is_symlink() and not inner.name.startswith(".")
         ]
-        found += [path for inner in folders for path in data_files(inner)]
-        if len(found) > _MOST_BELOW or len(folders) > _MOST_BELOW:
+        below += [path for inner in folders for path in data_files(inner)]
+        if len(below) > _MOST_BELOW or len(folders) > _MOST_BELOW:
             raise InputError(
                 f"{shown(folder)}: more than {_MOST_BELOW} files are in its subfolders; give one "
                 "of these"
             )
-    return found or files
+    return below or files
 
 
 def open_mapping(path: PathLike) -> Source:

@@ -69,7 +69,7 @@ def role_and_unit(name: str, where: str) -> tuple[str, str] | None:
     name = plain(name)
     if name in NAMES:
         return NAMES[name]
-    for role, spelling in ((each, own) for each in ROLES for own in _spellings(each)):
+    for role, spelling in ((each, spelled_so) for each in ROLES for spelled_so in _spellings(each)):
         if name.casefold() != spelling and not name.casefold().startswith(f"{spelling}_"):
             continue
         suffixes = _suffixes(role)
@@ -179,8 +179,8 @@ def guess_role(name: str, unit: str | None = None) -> Guess | None:
     None: nothing in the name is of the ankle.
     """
     if plain(name) in NAMES:
-        role, own = NAMES[plain(name)]
-        return Guess((role,), "stated", f"{role} in {own}: a name of surae's own format")
+        role, unit_of_name = NAMES[plain(name)]
+        return Guess((role,), "stated", f"{role} in {unit_of_name}: a name of surae's own format")
     if _SYMBOL.fullmatch(name.strip()) and unit_kind(unit) in (None, "torque"):
         return Guess(("torque",), "likely", "T, the symbol of the torque")
     words = words_of(name)

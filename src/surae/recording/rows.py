@@ -87,8 +87,8 @@ class Rows:
         except ImportError:
             return None
         names = [str(index) for index in range(len(self.names))]
-        own = list(dict.fromkeys(names[index] for index in wanted))
-        columns = np.empty((len(own), self.source.data.count(b"\n") + 1))
+        columns_read = list(dict.fromkeys(names[index] for index in wanted))
+        columns = np.empty((len(columns_read), self.source.data.count(b"\n") + 1))
         n = 0
         try:
             with arrow_csv.open_csv(
@@ -96,8 +96,8 @@ class Rows:
                 arrow_csv.ReadOptions(column_names=names, skip_rows=self.header, block_size=_BLOCK),
                 arrow_csv.ParseOptions(delimiter=self.delimiter),
                 arrow_csv.ConvertOptions(
-                    column_types=dict.fromkeys(own, pyarrow.float64()),
-                    include_columns=own,
+                    column_types=dict.fromkeys(columns_read, pyarrow.float64()),
+                    include_columns=columns_read,
                     decimal_point=self.decimal,
                 ),
             ) as reader:
@@ -107,8 +107,8 @@ class Rows:
                     n += batch.num_rows
         except (pyarrow.ArrowException, ValueError):
             return None
-        of = {name: columns[place, :n] for place, name in enumerate(own)}
-        if own == [names[index] for index in wanted]:
+        of = {name: columns[place, :n] for place, name in enumerate(columns_read)}
+        if columns_read == [names[index] for index in wanted]:
             return columns[:, :n]
         return np.array([of[names[index]] for index in wanted])
 
@@ -171,14 +171,14 @@ class Rows:
     def texts(self, name: str) -> list[str]:
         """What stands in a column, row by row; empty where a row has no such cell."""
         at = self.names.index(name)
-        found = []
+        column = []
         for _, line in self._numbered():
             try:
                 cells = split(line, self.delimiter)
             except csv.Error:
                 cells = []
-            found.append(cells[at] if at < len(cells) else "")
-        return found
+            column.append(cells[at] if at < len(cells) else "")
+        return column
 
     def position(self, index: int) -> str:
         """The line number of a sample: ``"row 12"``."""

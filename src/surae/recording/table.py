@@ -185,8 +185,8 @@ def regular(time: FloatArray) -> tuple[FloatArray, str]:
         kept[f"{1e3 * step:g} ms" if step < 1 else f"{step:g} s"] = step
     few = time[:: n // _SHOW + 1]
     for digits in _DIGITS:
-        own = few / _last_digit(few, digits)
-        if np.abs(own - np.round(own)).max() < 1e-3:
+        in_steps = few / _last_digit(few, digits)
+        if np.abs(in_steps - np.round(in_steps)).max() < 1e-3:
             kept[f"{digits} digits"] = _last_digit(time, digits)
             break
     for shown, steps in kept.items():

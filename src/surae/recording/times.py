@@ -271,14 +271,14 @@ def timed_by(table: Table, column: str, unit: str | None, where: str) -> Table:
         seconds = freeze(np.array(seconds))
         made = {}
         for name in wanted:
-            own = loaded[name]
-            if len(own.values) != len(seconds):
+            each = loaded[name]
+            if len(each.values) != len(seconds):
                 raise InputError(
                     f"{where}: time: column {column!r} of {table.file} has {len(seconds)} samples, "
-                    f"{name!r} {len(own.values)}; give that channel a time of its own"
+                    f"{name!r} {len(each.values)}; give that channel a time of its own"
                 )
-            said = "; ".join(filter(None, (own.remark, remark)))
-            made[name] = replace(own, time=seconds, time_name=column, remark=said)
+            said = "; ".join(filter(None, (each.remark, remark)))
+            made[name] = replace(each, time=seconds, time_name=column, remark=said)
         return made
 
     names = tuple(name for name in table.names if name != column)

@@ -31,9 +31,9 @@ def groups_of(names: Sequence[str]) -> Mapping[str, Mapping[str, str]]:
     for between in _BETWEEN:
         groups: dict[str, dict[str, str]] = {}
         for name in names:
-            group, _, own = name.rpartition(between)
+            group, _, member = name.rpartition(between)
             if group:
-                groups.setdefault(group, {}).setdefault(own, name)
+                groups.setdefault(group, {}).setdefault(member, name)
         if alike := _alike(groups):
             return alike
     return _numbered(names)
@@ -54,18 +54,18 @@ def _alike(groups: Mapping[str, Mapping[str, str]]) -> dict[str, Mapping[str, st
 def _numbered(names: Sequence[str]) -> dict[str, Mapping[str, str]]:
     """Groups that a number in every name tells apart, counted from 0 or 1 without a gap."""
     if any(_AGAIN.fullmatch(name) for name in names):
-        found = {name: _AGAIN.fullmatch(name) for name in names}
-        first = {name for name, match in found.items() if match is None}
+        matches = {name: _AGAIN.fullmatch(name) for name in names}
+        first = {name for name, match in matches.items() if match is None}
     else:
-        found = {name: _NUMBERED.fullmatch(name) for name in names}
+        matches = {name: _NUMBERED.fullmatch(name) for name in names}
         first = set()
     groups: dict[str, dict[str, str]] = {}
-    for name, match in found.items():
+    for name, match in matches.items():
         if match is not None:
             parts = match.groupdict()
-            own = f"{parts['before'] or ''}{parts.get('behind') or ''}".strip(" _-")
-            own = _OF_A_MATRIX.sub("", own)
-            groups.setdefault(str(int(match["number"])), {})[own] = name
+            bare = f"{parts['before'] or ''}{parts.get('behind') or ''}".strip(" _-")
+            bare = _OF_A_MATRIX.sub("", bare)
+            groups.setdefault(str(int(match["number"])), {})[bare] = name
         elif name in first:
             groups.setdefault("0", {})[name] = name
     counted = sorted(map(int, groups))
@@ -92,29 +92,29 @@ def of_group(table: Table, group: str, where: str) -> Table:
     InputError
         There is no such group.
     """
-    own = groups_of(table.names).get(group, {})
+    members = groups_of(table.names).get(group, {})
     for between in _BETWEEN:
         start = group + between
-        own = own or {n.removeprefix(start): n for n in table.names if n.startswith(start)}
-    if not own:
+        members = members or {n.removeprefix(start): n for n in table.names if n.startswith(start)}
+    if not members:
         groups = [*groups_of(table.names)]
         has = f"it holds: {some(groups)}" if groups else "its columns are in no groups"
         raise InputError(f"{where}: trial: {table.file} has no group {group!r}; {has}")
-    time = next((full for name, full in own.items() if is_time(name)), "")
+    time = next((full for name, full in members.items() if is_time(name)), "")
     if time and time in table.names:  # each group has times of its own
         table = timed_by(table, time, None, where)
-        own = {name: full for name, full in own.items() if full != time}
+        members = {name: full for name, full in members.items() if full != time}
 
     def load(wanted: Sequence[str]) -> Mapping[str, Column]:
-        loaded = table.load([own[name] for name in wanted])
-        return {name: replace(loaded[own[name]], name=name) for name in wanted}
+        loaded = table.load([members[name] for name in wanted])
+        return {name: replace(loaded[members[name]], name=name) for name in wanted}
 
     def mine(said: Mapping[str, str]) -> dict[str, str]:
-        return {name: said[full] for name, full in own.items() if full in said}
+        return {name: said[full] for name, full in members.items() if full in said}
 
     return replace(
         table,
-        names=tuple(own),
+        names=tuple(members),
         load=load,
         units=mine(table.units),
         remarks=mine(table.remarks),

@@ -113,9 +113,9 @@ def trials_in(
     for column in loaded:  # a column that changes where the time falls back
         if len(column.values) != len(loaded[0].time) or not _constant(column, backs):
             continue
-        found = _labels(table, column.name)
-        if found is not None and np.array_equal(found[1], [0, *backs]):
-            return TrialsInFile("column", tuple(found[0]), column.name, len(backs))
+        labels = _labels(table, column.name)
+        if labels is not None and np.array_equal(labels[1], [0, *backs]):
+            return TrialsInFile("column", tuple(labels[0]), column.name, len(backs))
     names = tuple(str(k) for k in range(1, len(backs) + 2))
     return TrialsInFile("index", names, falls=len(backs))
 
@@ -168,8 +168,8 @@ def _labels(table: Table, name: str) -> tuple[list[str], IndexArray] | None:
 
 
 def _runs_of(table: Table, name: str) -> list[str] | None:
-    found = _labels(table, name)
-    return None if found is None else found[0]
+    labels = _labels(table, name)
+    return None if labels is None else labels[0]
 
 
 def _falls_of(table: Table, name: str) -> int:
@@ -203,13 +203,13 @@ def _by_column(table: Table, column: str, where: str) -> tuple[list[str], IndexA
             f"{where}: trial: {table.file} has no column {some([column])}; it has: "
             f"{some(table.names)}"
         )
-    found = _labels(table, column)
-    if found is None:
+    labels = _labels(table, column)
+    if labels is None:
         raise InputError(
             f"{where}: trial: column {column!r} of {table.file} does not tell trials apart: each "
             f"must be {_FEWEST} samples or more with one text or number"
         )
-    return found
+    return labels
 
 
 def one_trial(table: Table, chosen: MappedTrial, where: str) -> Table:

@@ -17,8 +17,8 @@ def style() -> str:
     """The style sheet of reports, of what stands within an element of class ``report``."""
     text = files("surae.report").joinpath("templates", "report.css").read_text(encoding="utf-8")
     text = text.replace(".live .", ".live & .")  # the class of the whole page, once plots are drawn
-    own = "& { background: var(--paper); color: var(--ink); padding: .2rem; }"
-    return f".report {{\n{text.replace(':root', '&')}{own}\n}}\n"
+    page = "& { background: var(--paper); color: var(--ink); padding: .2rem; }"
+    return f".report {{\n{text.replace(':root', '&')}{page}\n}}\n"
 
 
 def inert_json(text: str) -> str:

@@ -76,4 +76,4 @@ def follows(predictions: Sequence[Prediction]) -> str:
 def _shares(predictions: Sequence[Prediction]) -> str:
     """The model's share and that of the best without one, of each."""
     pairs = [(p.vaf, p.baselines.best or 0.0) for p in predictions]
-    return ", ".join(f"{percentage(own)} % against {percentage(best)} %" for own, best in pairs)
+    return ", ".join(f"{percentage(vaf)} % against {percentage(best)} %" for vaf, best in pairs)

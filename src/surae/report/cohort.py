@@ -102,7 +102,7 @@ def _over_sessions(cohort: Cohort, name: str) -> list[tuple[str, list[tuple[str,
     """Group and values of the legs that were measured more than once, by session."""
     over_sessions = []
     for each in sessions_of(cohort.members).values():
-        own = [(m.session, value) for m in each if (value := _value(m, name)) is not None]
-        if len(own) > 1:
-            over_sessions.append((each[0].group, own))
+        values = [(m.session, value) for m in each if (value := _value(m, name)) is not None]
+        if len(values) > 1:
+            over_sessions.append((each[0].group, values))
     return over_sessions

@@ -66,11 +66,11 @@ def asked(result: FitResult) -> str:
         f"Asked: parameters of one leg from {what}, {short(round(seconds, 1))} s, by model "
         f"{result.problem.settings.model}"
     )
-    own = [
+    settings = [
         f"{label} {value if len(value) <= _LONG else 'as listed below'}"
         for label, value in requested(result)
     ]
-    whole = f"{text}; {'; '.join(own)}." if own else f"{text}."
+    whole = f"{text}; {'; '.join(settings)}." if settings else f"{text}."
     return result.problem.options.anatomy.worded(whole)
 
 
@@ -80,10 +80,10 @@ def first_screen(fit: AssessedFit, traces: Sequence[Traces]) -> First:
     words = words_in("en", result.problem.options.anatomy)
     failed = result.status == "failed"
     curve = rest_of_fit(fit)
-    at, told = (0.0, ()) if failed else _measures(fit, curve)
+    at, measures = (0.0, ()) if failed else _measures(fit, curve)
     figures = {"first": first_figure(traces)}
     if isinstance(curve, RelaxedCurve):
-        by_name = {m.name: m for m in told}
+        by_name = {m.name: m for m in measures}
         figures["relaxed"] = relaxed_figure(curve, by_name, words, width=_WIDTH, height=_HEIGHT)
     elif not failed:
         model = torque_curve(fit)
@@ -93,9 +93,9 @@ def first_screen(fit: AssessedFit, traces: Sequence[Traces]) -> First:
     blocks = (
         _torque_picture(traces),
         _relaxed_picture(curve, words),
-        _table(told, at, words),
+        _table(measures, at, words),
     )
-    return First(block.Section("", blocks, look="first"), figures, told)
+    return First(block.Section("", blocks, look="first"), figures, measures)
 
 
 def grade_line(fit: AssessedFit) -> block.AdequacyWords:
@@ -148,11 +148,11 @@ def _relaxed_picture(curve: object, words: Words) -> block.Picture:
     return block.Picture("relaxed", words(alt), words(caption), "here", 100)
 
 
-def _table(told: Sequence[Measure], at: float, words: Words) -> block.Grid:
+def _table(measures: Sequence[Measure], at: float, words: Words) -> block.Grid:
     """Relaxed measures and invariants that are known, and what is not."""
-    relaxed = [m for m in told if _is_relaxed(m, at)]
+    relaxed = [m for m in measures if _is_relaxed(m, at)]
     relaxed.sort(key=lambda m: _RELAXED.index(_name(m)))
-    muscles = [m for m in told if is_invariant(m) and _name(m) in MEASURES]
+    muscles = [m for m in measures if is_invariant(m) and _name(m) in MEASURES]
     groups = [
         (words("Relaxed leg"), tuple(_rows(relaxed, words))),
         ("Muscles, whatever arms and paths are", tuple(_rows(muscles, words))),

@@ -73,11 +73,11 @@ def fit_report(
             zip(assessment.recordings, traces, assessment.whiteness, strict=True)
         )
     )
-    found = {checked.recording: checked for checked in fit.quality}
+    findings = {checked.recording: checked for checked in fit.quality}
     details = (
         invariants_section([m for m in first.measures if is_invariant(m)]),
         parameters_section(fit, next_anchor=NEXT if budget.helps else ""),
-        *([findings_section(found)] if found else []),
+        *([findings_section(findings)] if findings else []),
         *([holds_section(traces)] if are_holds(traces) else []),
         *recordings,
     )

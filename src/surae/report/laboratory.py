@@ -99,10 +99,10 @@ def laboratory_section(fit: AssessedFit) -> tuple[block.Section, ...]:
             block.Text(f"{'; '.join(groups)}.", "note"),
             block.Grid(title, heads, rows, "laboratory"),
         ]
-        if own := solution.each.get("torque_zero"):
+        if of_each := solution.each.get("torque_zero"):
             zeros = ", ".join(
                 f"{recording.name} {significant(zero, 3)} Nm"
-                for recording, zero in zip(inputs, own, strict=True)
+                for recording, zero in zip(inputs, of_each, strict=True)
             )
             blocks.append(block.Text(f"Torque zero of each recording: {zeros}."))
     return (block.Section("The laboratory’s imperfections", tuple(blocks), "laboratory", "page"),)

@@ -87,8 +87,8 @@ def leg_answers(
     alone = followed_alone(joint, fits)
     m = None if of_fit is None else of_fit[LEADING[0]]
     disputed = None if joint is None else disputes(joint)
-    told = m is not None and (leg_cards.is_known(m) or (disputed and m.ci95 is not None))
-    believed = told and (disputed or not leg_cards.PASSIVE & set(contradicted))
+    answered = m is not None and (leg_cards.is_known(m) or (disputed and m.ci95 is not None))
+    believed = answered and (disputed or not leg_cards.PASSIVE & set(contradicted))
     model = torque_curve(joint) if joint is not None and believed else None
     if joint is not None and model is not None:  # what was measured, as the curve and norms are
         result = joint.result
@@ -311,8 +311,8 @@ def _zero(model: TorqueCurve, holds: Sequence[HeldPoint], stretches: Sequence[St
 
 def disputes(fit: AssessedFit) -> Reason | None:
     """What trials at rest say against the stiffness of a leg's fit, first; None where nothing."""
-    told = fit.assessment.adequacy.against
-    return next((reason for reason in told if reason.code in OF_STIFFNESS), None)
+    reasons = fit.assessment.adequacy.against
+    return next((reason for reason in reasons if reason.code in OF_STIFFNESS), None)
 
 
 def _point(norm: Norm) -> float:

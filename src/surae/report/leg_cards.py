@@ -256,8 +256,8 @@ def change_card(
         said = block.Text(_would_show(told, nerve, _), "say", _("One visit"))
         return said, block.Text(again)
     every = {**change.measures, **change.parameters}
-    found = [d for n, d in every.items() if n in COMPARED or d.asked]
-    found += [d for d in change.changed if d not in found]
+    shown = [d for n, d in every.items() if n in COMPARED or d.asked]
+    shown += [d for d in change.changed if d not in shown]
     asked = any(d.asked for d in every.values())  # what was asked is what the card answers
     changed = [d.name for d in change.changed if d.asked or not asked]
     if changed:
@@ -269,7 +269,7 @@ def change_card(
         headline = _("Cannot compare")
     else:
         headline = _("Not shown")
-    rows = [differing(d, _) for d in found]
+    rows = [differing(d, _) for d in shown]
     heads = block.columns(
         _("Measure"), *sides(change, _), _("Difference (95 %)"), numbers=(1, 2), wide=(0,)
     )

@@ -98,7 +98,7 @@ def impedance_report(impedance: Impedance, *, created: datetime, language: str =
         )
     for number, recording in enumerate(impedance.recordings, 1):
         sections.append(_recording(recording, number, figures, _))
-    told = {row[0]: row for row in measure_rows(_on_page(impedance.measures))}
+    by_name = {row[0]: row for row in measure_rows(_on_page(impedance.measures))}
     key = tuple(
         (
             _(_NAMES[name]),
@@ -106,7 +106,7 @@ def impedance_report(impedance: Impedance, *, created: datetime, language: str =
             _(verdict),
         )
         for name in ("intrinsic_stiffness", "reflex_share")
-        for _n, value, _i, unit, verdict, _t in (told[name],)
+        for _n, value, _i, unit, verdict, _t in (by_name[name],)
     )
     reflex = impedance.reflex
     document = block.Document(
@@ -135,22 +135,22 @@ def impedance_report(impedance: Impedance, *, created: datetime, language: str =
     return Report(document, figures)
 
 
-def stretches_report(found: Stretches, *, created: datetime, language: str = "en") -> Report:
+def stretches_report(answer: Stretches, *, created: datetime, language: str = "en") -> Report:
     """The report of slow and fast stretches."""
     _ = words_in(language)
-    table = found.as_table()
+    table = answer.as_table()
     figures = list[tuple[str, Figure]]()
     pictures = list[block.Block]()
-    for way in dict.fromkeys(s.direction for s in found.stretches):
-        own = [stretch_torque(s) for s in found.stretches if s.direction == way]
-        figures.append((way, stretches_figure(own, _)))
+    for way in dict.fromkeys(s.direction for s in answer.stretches):
+        one_way = [stretch_torque(s) for s in answer.stretches if s.direction == way]
+        figures.append((way, stretches_figure(one_way, _)))
         caption = _(
             "Elastic and neural torque in stretches to {way}; bars are 95 % intervals.", way=_(way)
         )
         alt = _("Torque over speed, {way}", way=_(way))
         pictures.append(block.Picture(way, alt, caption, "here", 62))
     # which recording is told where there are several
-    first = 1 if len({s.recording for s in found.stretches}) == 1 else 0
+    first = 1 if len({s.recording for s in answer.stretches}) == 1 else 0
     heads = table.heads[first:]
     rows = [_translated(row, _)[first:] for row in table.rows]
     numbers = tuple(k for k, head in enumerate(heads) if head in table.numbers)
@@ -162,7 +162,7 @@ def stretches_report(found: Stretches, *, created: datetime, language: str = "en
         under=created.strftime("%Y-%m-%d %H:%M %Z").strip(),
         title=_("Slow and fast stretches"),
         blocks=(
-            *(block.Text(_(_sentence(line))) for line in found.lines()),
+            *(block.Text(_(_sentence(line))) for line in answer.lines()),
             *pictures,
             block.Section(_("Every stretch"), (grid,)),
             block.Text(_(_STRETCHES), "note"),

@@ -115,12 +115,12 @@ def _fastest(stretches: Sequence[StretchTorque]) -> _Fast | None:
     if not calf:
         return None
     top = max(s.speed for s in calf)
-    own = [s for s in calf if s.speed >= (1.0 - _ALIKE) * top]
-    told = [s.neural for s in own if s.neural is not None]
-    neural = float(np.mean(told)) if len(told) == len(own) else None
-    low, high = np.mean([s.ci95 or (0.0, s.peak) for s in own], axis=0).tolist()
-    speed, peak, elastic = np.mean([(s.speed, s.peak, s.elastic) for s in own], axis=0).tolist()
-    heard = all(s.heard for s in own)
+    fastest = [s for s in calf if s.speed >= (1.0 - _ALIKE) * top]
+    answered = [s.neural for s in fastest if s.neural is not None]
+    neural = float(np.mean(answered)) if len(answered) == len(fastest) else None
+    low, high = np.mean([s.ci95 or (0.0, s.peak) for s in fastest], axis=0).tolist()
+    speed, peak, elastic = np.mean([(s.speed, s.peak, s.elastic) for s in fastest], axis=0).tolist()
+    heard = all(s.heard for s in fastest)
     return _Fast(speed, peak, elastic, neural, low, high, heard)
 
 
@@ -189,9 +189,9 @@ def stretches_figure(stretches: Sequence[StretchTorque], _: Words) -> Figure:
         (_("elastic"), [s.elastic for s in stretches], GREY, "s"),
         (_("reflex"), [s.neural for s in stretches], RED, "o"),
     ):
-        own = [(s.speed, v) for s, v in zip(stretches, values, strict=True) if v is not None]
-        if own:
-            axes.plot(*zip(*own, strict=True), mark, color=colour, ms=4, label=label)
+        points = [(s.speed, v) for s, v in zip(stretches, values, strict=True) if v is not None]
+        if points:
+            axes.plot(*zip(*points, strict=True), mark, color=colour, ms=4, label=label)
     for s in stretches:
         if s.ci95 is not None:
             axes.plot([s.speed] * 2, s.ci95, color=RED, linewidth=0.8)

@@ -41,13 +41,13 @@ def _stands(of_fit: Measures, name: str) -> bool:
     return of_fit[name].basis == "rest" or of_fit.adequacy.grade is Grade.ADEQUATE
 
 
-def _among(p: Placed, of_fit: Measures, own: str, _: Words) -> block.Text:
+def _among(p: Placed, of_fit: Measures, headline: str, _: Words) -> block.Text:
     """Which part of a group lies below, at both ends of the leg's own interval too."""
     group = ", ".join(filter(None, [_(p.norm.group), p.norm.age, p.norm.sex]))
     text = _("of {n} {group}", n=str(p.norm.n), group=group)
     if p.ends is not None:
         text += f" · 95 %: {_.span(*p.ends)}"
-    if p.norm.measure != own:
+    if p.norm.measure != headline:
         value, _span = _.estimate(p.value, of_fit[p.norm.measure].ci95)
         unit = on_page(p.norm.unit)[0]
         text += f" · {_.measure(p.norm.measure)}: {value} {unit}"

@@ -63,10 +63,10 @@ def opinion_report(
     """The page of what is said of some results, in a language."""
     _ = words_in(language)
     sections = [block.Section(_("In short"), tuple(_short(results, _)), "short")]
-    for place, (result, values, told) in enumerate(results, start=1):
+    for place, (result, values, by_recording) in enumerate(results, start=1):
         sections.append(_of_result(result, values, f"result{place}", _))
-        if told is not None:
-            sections.append(_of_recording(told, f"recording{place}", _))
+        if by_recording is not None:
+            sections.append(_of_recording(by_recording, f"recording{place}", _))
     sections.append(block.Section(_("How to read it"), tuple(_reading(_)), "reading"))
     title = _("A second opinion on muscle parameters")
     document = block.Document(
@@ -83,7 +83,7 @@ def opinion_report(
 
 def _short(results: Sequence[Judged], _: Words) -> Iterator[block.Block]:
     """How many values of each result are doubtful."""
-    for result, values, told in results:
+    for result, values, by_recording in results:
         met = sum(1 for value in values if value.remarks)
         text = _(
             "{file} ({program}): of {count} values {met} are doubtful or not of this leg.",
@@ -93,9 +93,9 @@ def _short(results: Sequence[Judged], _: Words) -> Iterator[block.Block]:
             met=str(met),
         )
         yield block.Text(text, "say")
-        if told is not None:
-            yield block.Text(_(recording_said(told)), "say")
-            if (disputed := disputed_said(told)) is not None:
+        if by_recording is not None:
+            yield block.Text(_(recording_said(by_recording)), "say")
+            if (disputed := disputed_said(by_recording)) is not None:
                 yield block.Text(_(disputed), "say")
     heads = block.columns(_("Result"), *(_(word) for word in KINDS.values()))
     rows = []
@@ -121,15 +121,15 @@ def _of_result(
         wide=(6,),
     )
     rows = [_row(value, _) for value in values if value.remarks]
-    told = [block.Text(_(note), "note") for note in result.notes]
+    notes = [block.Text(_(note), "note") for note in result.notes]
     if not rows:
         nothing = _("Nothing speaks against these values. That is no proof that they are right.")
-        return block.Section(result.path, (block.Text(nothing), *told), anchor)
+        return block.Section(result.path, (block.Text(nothing), *notes), anchor)
     table = block.Grid(result.path, heads, block.rows(rows))
-    return block.Section(result.path, (table, *told), anchor)
+    return block.Section(result.path, (table, *notes), anchor)
 
 
-def _of_recording(told: AgainstRecording, anchor: str, _: Words) -> block.Section:
+def _of_recording(against: AgainstRecording, anchor: str, _: Words) -> block.Section:
     """What a recording says of each length."""
     heads = block.columns(
         _("Muscle"),
@@ -142,8 +142,8 @@ def _of_recording(told: AgainstRecording, anchor: str, _: Words) -> block.Sectio
         numbers=(2, 3, 4, 5),
     )
     rows = []
-    verdicts = told.verdicts()
-    for each in told.told:
+    verdicts = against.verdicts()
+    for each in against.told:
         numbers = (1e3 * each.value, each.drop, 1e3 * each.better, each.gain)
         shown = (_.number(f"{number:.3g}".replace("-", "−")) for number in numbers)
         word = _(_TOLD[verdicts[each.muscle, each.parameter]])

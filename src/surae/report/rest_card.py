@@ -32,10 +32,10 @@ class RestCard:
 
 def stated_angle(of_fit: Mapping[str, Measure], at: float) -> float:
     """Where stiffness is given: at `at` [deg], or the nearest angle at which rest tells it."""
-    told = [
+    angles = [
         float(m.name.partition("@")[2].removesuffix("deg")) for m in of_fit.values() if _tells(m)
     ]
-    return min(told, key=lambda angle: abs(angle - at), default=at)
+    return min(angles, key=lambda angle: abs(angle - at), default=at)
 
 
 def rest_card(

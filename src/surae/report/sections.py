@@ -145,7 +145,7 @@ def identifiability_section(fit: AssessedFit) -> block.Section:
     ]
     shown = weak[:_DIRECTIONS] or list(identified.directions[:1])
     condition = "infinite" if identified.condition is None else significant(identified.condition, 2)
-    own = [p for p in identified.parameters.values() if p.name in fit.assessment.parameters]
+    of_fit = [p for p in identified.parameters.values() if p.name in fit.assessment.parameters]
     text = f"Condition number of the scaled information matrix: {condition}."
     if inflation != 1.0:
         noise = described({"all": inflation}, fit.assessment.interval_note)
@@ -177,7 +177,7 @@ def identifiability_section(fit: AssessedFit) -> block.Section:
             wide=(5,),
             looks={5: "why"},
         ),
-        block.rows(_row(p, fit.assessment) for p in sorted(own, key=lambda p: -p.sensitivity)),
+        block.rows(_row(p, fit.assessment) for p in sorted(of_fit, key=lambda p: -p.sensitivity)),
         "sensitivity",
         titled=True,
     )

@@ -151,9 +151,9 @@ def plots() -> dict[str, Any]:
     """Scripts and style sheet of the plots; the page runs no others."""
     package = files("surae.report") / "static"
     library = package / "vendor" / "uplot"
-    own = package / "explore.js"
+    ours = package / "explore.js"
     scripts = [
-        path.read_text(encoding="utf-8").strip() for path in (library / "uPlot.iife.min.js", own)
+        path.read_text(encoding="utf-8").strip() for path in (library / "uPlot.iife.min.js", ours)
     ]
     style = (library / "uPlot.min.css").read_text(encoding="utf-8").strip()
     hashes = (_base64(hashlib.sha256(script.encode()).digest()) for script in scripts)

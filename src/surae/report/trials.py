@@ -145,8 +145,8 @@ def _cell(crossed: Crossed | None) -> block.Cell:
     known = [share for share in (crossed.template_vaf, crossed.ridge_vaf) if share is not None]
     without = ""
     if known and crossed.vaf is not None:
-        own, other = percentage(crossed.vaf), percentage(max(known))
-        without = f"VAF {own} %, without a model {other} %"
+        followed, other = percentage(crossed.vaf), percentage(max(known))
+        without = f"VAF {followed} %, without a model {other} %"
     under = ", ".join(filter(None, (crossed.grade, f"bias {bias} Nm", without)))
     return block.Cell(text, under, "own" if crossed.fitted else crossed.grade)
 
@@ -156,13 +156,13 @@ def findings_section(quality: Mapping[str, Quality], zero: float = 0.0) -> block
 
     `zero` is what the torque's is off by in all trials [Nm], as the leg's page subtracts it.
     """
-    found: dict[tuple[int, str], list[tuple[str, Finding]]] = {}
+    by_code: dict[tuple[int, str], list[tuple[str, Finding]]] = {}
     for name, checked in quality.items():
         for finding in checked.findings:
             place = SEVERITIES.index(finding.severity)
-            found.setdefault((-place, finding.code), []).append((name, finding))
+            by_code.setdefault((-place, finding.code), []).append((name, finding))
     rows: list[block.Row] = []
-    for (_, code), those in sorted(found.items(), key=lambda item: item[0]):
+    for (_, code), those in sorted(by_code.items(), key=lambda item: item[0]):
         names = list(dict.fromkeys(name for name, _ in those))
         first = those[0][1]
         where = f"{len(names)} trials: {', '.join(names)}"
@@ -227,10 +227,12 @@ def contradictions(
     from scipy.special import ndtri
 
     pairs = [
-        (p.name, trial, p.ci95, own.ci95)
+        (p.name, trial, p.ci95, by_trial.ci95)
         for p in (() if joint is None else joint.parameters.values())
         for trial, assessment in alone.items()
-        if (own := assessment.parameters.get(p.name)) is not None and _is_sure(p) and _is_sure(own)
+        if (by_trial := assessment.parameters.get(p.name)) is not None
+        and _is_sure(p)
+        and _is_sure(by_trial)
     ]
     wider = float(ndtri(1.0 - 0.025 / max(len(pairs), 1))) / NORMAL
     contradicted: dict[str, list[str]] = {}
@@ -245,5 +247,5 @@ def contradictions(
 
 def _is_sure(p: ParameterEstimate) -> bool:
     """Whether a fit tells a parameter; an interval that a limit of the search cuts does not."""
-    told = p.free and not p.at_bound and p.verdict in (Verdict.IDENTIFIED, Verdict.WEAK)
-    return told and p.ci95 is not None and p.lower < p.ci95[0] and p.ci95[1] < p.upper
+    known = p.free and not p.at_bound and p.verdict in (Verdict.IDENTIFIED, Verdict.WEAK)
+    return known and p.ci95 is not None and p.lower < p.ci95[0] and p.ci95[1] < p.upper

@@ -48,8 +48,8 @@ def drawn(draws: FloatArray, units: Mapping[str, str]) -> Any:
     xarray = library("xarray", "InferenceData")
     chains = _CHAINS if len(draws) % _CHAINS == 0 else 1
     variables = {
-        name: (("chain", "draw"), own.reshape(chains, -1), {"units": units[name]})
-        for name, own in zip(units, draws.T, strict=True)
+        name: (("chain", "draw"), column.reshape(chains, -1), {"units": units[name]})
+        for name, column in zip(units, draws.T, strict=True)
     }
     along = {"chain": np.arange(chains), "draw": np.arange(len(draws) // chains)}
     return xarray.Dataset(variables, along)
@@ -62,8 +62,8 @@ def prior_draws(
     rng = np.random.default_rng([seed, 2])
     by_name = {}
     for name, prior in priors.items():
-        own = prior.centre + prior.spread * rng.standard_normal(count)
-        by_name[name] = np.exp(own) if prior.log else own
+        drawn_values = prior.centre + prior.spread * rng.standard_normal(count)
+        by_name[name] = np.exp(drawn_values) if prior.log else drawn_values
     return drawn(np.array([*by_name.values()]).T, {name: units[name] for name in by_name})
 
 
@@ -90,13 +90,15 @@ def of_fit(fit: AssessedFit, draws: int, seed: int, *, log_likelihood: bool) -> 
         priors[n] = Prior(p.mean, p.sd, "laboratory", log=False)
     if shown := {n: prior for n, prior in priors.items() if n in units}:
         groups["prior"] = prior_draws(shown, units, draws, seed)
-    samples = np.concatenate([np.arange(own.n)[own.counts] for own in problem.inputs])
-    which = np.concatenate(
-        [np.full(int(own.counts.sum()), i) for i, own in enumerate(problem.inputs)]
+    samples = np.concatenate(
+        [np.arange(recording.n)[recording.counts] for recording in problem.inputs]
     )
-    time = np.concatenate([own.time[own.counts] for own in problem.inputs])
+    which = np.concatenate(
+        [np.full(int(recording.counts.sum()), i) for i, recording in enumerate(problem.inputs)]
+    )
+    time = np.concatenate([recording.time[recording.counts] for recording in problem.inputs])
     along = {"sample": samples, "recording": ("sample", which), "time": ("sample", time)}
-    torque = np.concatenate([measured(own)[own.counts] for own in problem.inputs])
+    torque = np.concatenate([measured(recording)[recording.counts] for recording in problem.inputs])
     groups["observed_data"] = xarray.Dataset({"torque": ("sample", torque, {"units": "Nm"})}, along)
     if log_likelihood:
         # arms and paths leave the torque as it is: it is computed at those of the fit
@@ -118,9 +120,9 @@ def _log_likelihood(fit: AssessedFit, leg: FloatArray) -> FloatArray:
     sigma2 = fit.assessment.covariance.sigma2
     parts = []
     values = problem.values(leg[: len(problem.free)])
-    for simulator, own in zip(simulators(problem), problem.inputs, strict=True):
-        weight = np.ones(own.n) if own.weight is None else own.weight
-        e = (measured(own) - simulator.torque(values))[own.counts]
-        variance = sigma2 / weight[own.counts]
+    for simulator, recording in zip(simulators(problem), problem.inputs, strict=True):
+        weight = np.ones(recording.n) if recording.weight is None else recording.weight
+        e = (measured(recording) - simulator.torque(values))[recording.counts]
+        variance = sigma2 / weight[recording.counts]
         parts.append(-0.5 * (e**2 / variance + np.log(2.0 * np.pi * variance)))
     return np.concatenate(parts)

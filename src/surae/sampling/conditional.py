@@ -105,7 +105,7 @@ class Conditional:
     def _minimum(
         self, x: FloatArray, lower: FloatArray, upper: FloatArray
     ) -> ConditionalMinimum | None:
-        found = minimise(
+        solution = minimise(
             self._rows,
             x,
             lower,
@@ -113,13 +113,15 @@ class Conditional:
             move=self._move,
             ends=Ends(_MOST, stall=_STALL / self._problem.n),
         )
-        self.evaluations += found.iterations
-        if found.outcome is Outcome.INTERRUPTED:
+        self.evaluations += solution.iterations
+        if solution.outcome is Outcome.INTERRUPTED:
             raise KeyboardInterrupt
-        if found.outcome is Outcome.NOT_FINITE:
+        if solution.outcome is Outcome.NOT_FINITE:
             return None
-        converged = found.outcome is Outcome.CONVERGED
-        return ConditionalMinimum(float(found.x[self._j]), found.x, found.sse, found.R, converged)
+        converged = solution.outcome is Outcome.CONVERGED
+        return ConditionalMinimum(
+            float(solution.x[self._j]), solution.x, solution.sse, solution.R, converged
+        )
 
     def _rows(self, x: FloatArray) -> FloatArray:
         if self._stopped():

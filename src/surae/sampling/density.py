@@ -34,13 +34,13 @@ def beliefs(
     known = {}
     for name in problem.free:
         p = table[name]
-        told = "population"
+        source = "population"
         if p.signed:  # its bounds as two standard deviations to either side
-            known[name] = Prior((p.lower + p.upper) / 2, (p.upper - p.lower) / 4, told, log=False)
+            known[name] = Prior((p.lower + p.upper) / 2, (p.upper - p.lower) / 4, source, log=False)
         elif name in wide:
-            known[name] = Prior(*wide[name], told)
+            known[name] = Prior(*wide[name], source)
         else:
-            known[name] = _of_nuisance(laboratory(joint=problem.options.anatomy)[name], told)
+            known[name] = _of_nuisance(laboratory(joint=problem.options.anatomy)[name], source)
     known |= {name: replace(prior, source="fit") for name, prior in problem.priors.items()}
     for name, pair in (priors or {}).items():
         known[name] = checked_prior(name, pair, problem.free, "given")
@@ -53,8 +53,8 @@ def _of_nuisance(prior: Gaussian, source: str) -> Prior:
     """The prior of a nuisance, on a logarithm where its mean is above zero."""
     if not prior.mean > 0.0:
         return Prior(prior.mean, prior.sd, source, log=False)
-    own = prior.on_logarithm()
-    return Prior(float(np.exp(own.mean)), own.sd, source)
+    on_log = prior.on_logarithm()
+    return Prior(float(np.exp(on_log.mean)), on_log.sd, source)
 
 
 #: Logarithm of a density, and its gradient; minus infinity where the model has no finite torque.

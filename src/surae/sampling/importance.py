@@ -87,7 +87,7 @@ def weighted_draws(
     heights = np.zeros(0)
     slopes = np.zeros((0, q))
     proposals: list[tuple[int, FloatArray, FloatArray]] = []
-    found: Weighted | None = None
+    weighted: Weighted | None = None
     for number in range(rounds):
         tails = rng.choice(_TAILS, (size, 1), p=_PARTS)
         normal = rng.standard_normal((size, q)) / np.sqrt(rng.chisquare(tails) / tails)
@@ -103,12 +103,12 @@ def weighted_draws(
         logs = heights - logsumexp(
             [np.log(n) + _proposed(points, *at) for n, *at in proposals], axis=0
         )
-        found = _smoothed(points, logs, whole=whole)
-        if not whole or not found.effective:
+        weighted = _smoothed(points, logs, whole=whole)
+        if not whole or not weighted.effective:
             break
         mean, root = _adapted(points, slopes, logs)
-    assert found is not None
-    return found
+    assert weighted is not None
+    return weighted
 
 
 def _evaluated(

@@ -72,7 +72,7 @@ class Profiles(Tabular, Saved):
     @property
     def noise(self) -> str:
         """What the noise was taken for, in a line; empty without a profile."""
-        factors = {name: own.variance_inflation for name, own in self.profiles.items()}
+        factors = {name: profile.variance_inflation for name, profile in self.profiles.items()}
         return described(factors, self.inflation_reason) if factors else ""
 
     def as_table(self) -> TextTable:

@@ -16,18 +16,20 @@ def resumed(result: FitResult) -> Reached:
     assert isinstance(solution, PosteriorMode)
     with one_blas_thread():
         metres = OwnMetres.of(result.problem)
-        own = result.problem.spec.vector(result.values, result.problem.options)
-        family = Family(metres.limits(result.problem, own, back=True))
+        latent = result.problem.spec.vector(result.values, result.problem.options)
+        family = Family(metres.limits(result.problem, latent, back=True))
         if solution.sizes["gain"] == NEARLY_NONE["gain"]:
             family.hold_still()
         sizes = {**NEARLY_NONE, **solution.sizes}  # older fits know of no softening
         post = family.posterior(solution.candidates[0].groups, RATE_HZ, solution.noise, sizes)
-        if len(solution.films) != sum(len(own.films) for own in post.latents):
+        if len(solution.films) != sum(len(latent.films) for latent in post.latents):
             raise InputError("this fit kept no noise of its films: fit again")
         noise = iter(solution.films)
         latents = tuple(
-            replace(own, films=tuple([replace(film, noise=next(noise)) for film in own.films]))
-            for own in post.latents
+            replace(
+                latent, films=tuple([replace(film, noise=next(noise)) for film in latent.films])
+            )
+            for latent in post.latents
         )
         fast = None if family.is_perfect else solution.sizes.get("drive")
         post = post.having(latents=latents, fast=fast)

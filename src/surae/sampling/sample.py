@@ -186,11 +186,11 @@ class Posterior(Tabular, Saved, Comparable):
         units = {name: self.marginals[name].unit for name in self.names}
         priors = {name: m.prior for name, m in self.marginals.items()}
         worth = {"k_hat": self.k_hat, "effective": self.effective}
-        found = {name: ((), value) for name, value in worth.items() if value is not None}
+        stats = {name: ((), value) for name, value in worth.items() if value is not None}
         groups = {
             "posterior": arviz_data.drawn(self.draws, units),
             "prior": arviz_data.prior_draws(priors, units, len(self.draws), self.seed),
-            "sample_stats": xarray.Dataset(found),
+            "sample_stats": xarray.Dataset(stats),
         }
         made_by = self.versions["surae"]
         return arviz_data.inference_data(groups, made_by, self.status, self.message)

@@ -95,7 +95,7 @@ def prepare(
     torque = signals.get("torque")
     units = (c.unit for role, c in recording.channels.items() if role.startswith("emg_"))
     cutoff = None if prepared else settings.bessel_hz
-    own = bool(present) and recording.emg == "raw" and not prepared
+    rectifies = bool(present) and recording.emg == "raw" and not prepared
     return ModelInputs(
         name=recording.name,
         rate_hz=rate_hz,
@@ -114,9 +114,9 @@ def prepare(
         films=tuple(
             _film(recording, role) for role in recording.films if role.startswith("fascicle_")
         ),
-        own_envelopes=own,
-        rectified=_rectified(recording, settings) if own else (),
-        emg_lost=_lost(recording, settings) if own else 0.0,
+        own_envelopes=rectifies,
+        rectified=_rectified(recording, settings) if rectifies else (),
+        emg_lost=_lost(recording, settings) if rectifies else 0.0,
         measured=tuple(name for name, role in _DERIVATIVES.items() if role in signals),
         second=tuple(map(read_only, second)),
         lowpass=None if cutoff is None else (cutoff, settings.bessel_order),

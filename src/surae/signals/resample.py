@@ -114,7 +114,7 @@ def thinned(inputs: ModelInputs, factor: int) -> ModelInputs:
         low = antialias(signals, inputs.rate_hz, rate_hz, ends=ends, where=inputs.where)
         return low[:, chosen]
 
-    told = {"hz": inputs.rate_hz, "to": rate_hz, "edge": ANTIALIAS_PASS * rate_hz}
+    rates = {"hz": inputs.rate_hz, "to": rate_hz, "edge": ANTIALIAS_PASS * rate_hz}
     mechanical = [read_only(row.copy()) for row in lowered(rows, "odd")]
     thin: dict[str, Any] = dict(zip(present, mechanical, strict=False))
     emg = np.maximum(lowered(inputs.emg.T, "even").T, 0.0)
@@ -128,7 +128,7 @@ def thinned(inputs: ModelInputs, factor: int) -> ModelInputs:
         weight=None if weight is None else read_only(weight),
         effort=None,
         second=tuple(mechanical[len(present) :]),
-        steps=(*inputs.steps, Message("made/decimated", **told)),
+        steps=(*inputs.steps, Message("made/decimated", **rates)),
     )
 
 

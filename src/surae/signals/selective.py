@@ -47,7 +47,7 @@ def contractions(
         emg[MUSCLES.index(muscle)] = row - np.quantile(row, _REST)
     top = emg.max(axis=1, initial=0.0)
     share = emg / np.maximum(top, 1e-300)[:, None]
-    found: dict[int, list[FloatArray]] = {}
+    by_muscle: dict[int, list[FloatArray]] = {}
     for j in np.flatnonzero(top):
         works = np.concatenate([[False], share[j] > _WORKS, [False]])
         edges = np.flatnonzero(np.diff(works.astype(int)))
@@ -57,8 +57,8 @@ def contractions(
                 continue
             level = emg[:, inner].mean(axis=1)
             if np.all(np.delete(level, j) < _OTHERS * np.delete(np.maximum(top, 1e-300), j)):
-                found.setdefault(int(j), []).append(level)
-    return found
+                by_muscle.setdefault(int(j), []).append(level)
+    return by_muscle
 
 
 def crosstalk(inputs: ModelInputs, prior: tuple[float, float]) -> Ratios:
@@ -69,12 +69,16 @@ def crosstalk(inputs: ModelInputs, prior: tuple[float, float]) -> Ratios:
     mean, sd = prior
     envelopes = {m: inputs.emg[:, i] for i, m in enumerate(MUSCLES) if m not in inputs.missing_emg}
     alone = contractions(envelopes, inputs.rate_hz)
-    found = {j: levels for j, levels in alone.items() if len(levels) >= _FEWEST}
-    own = {j: float(np.mean([level[j] for level in levels])) for j, levels in found.items()}
+    often = {j: levels for j, levels in alone.items() if len(levels) >= _FEWEST}
+    levels_alone = {
+        j: float(np.mean([level[j] for level in levels])) for j, levels in often.items()
+    }
     pairs = {
-        (i, j): np.sort([level[i] / own[i] / (level[j] / own[j]) for level in levels])
-        for j, levels in found.items()
-        for i in found
+        (i, j): np.sort(
+            [level[i] / levels_alone[i] / (level[j] / levels_alone[j]) for level in levels]
+        )
+        for j, levels in often.items()
+        for i in often
         if i != j
     }
     apart = {pair: float(each[-1] - each[0]) for pair, each in pairs.items()}
@@ -83,8 +87,8 @@ def crosstalk(inputs: ModelInputs, prior: tuple[float, float]) -> Ratios:
     known: dict[tuple[int, int], tuple[float, float]] = {}
     for (i, j), each in pairs.items():
         room = max(most - apart[i, j], 0.0)
-        middle = own[i] / own[j] * (float(each[0]) - room / 2.0)
-        spread = own[i] / own[j] * (room + _UNSURE * most) / np.sqrt(12.0)
+        middle = levels_alone[i] / levels_alone[j] * (float(each[0]) - room / 2.0)
+        spread = levels_alone[i] / levels_alone[j] * (room + _UNSURE * most) / np.sqrt(12.0)
         precise = np.hypot(_NOISE, spread) ** -2.0
         before = sd**-2.0
         together = float(precise + before)

@@ -64,12 +64,12 @@ class VirtualSubject:
         """
         known = get_model(model).names
         strain = (options or ModelOptions()).tendon_strain == "slack-length"
-        own = {
+        of_tendons = {
             name: value / PARAMETERS[name].slack if strain else value
             for name, value in self.tendons.items()
             if name in known
         }
-        return {**self.parameters, **own}
+        return {**self.parameters, **of_tendons}
 
 
 def virtual_subject(
@@ -104,8 +104,8 @@ def virtual_subject(
     rng = np.random.default_rng([seed, list(POPULATIONS).index(population)])
     parameters = _drawn(POPULATIONS[population], rng)
     subject = VirtualSubject(population, seed, parameters)
-    own = _drawn(TENDONS[population], stream(subject, "tendons"))
-    return replace(subject, tendons=own) if tendons else subject
+    tendons_of = _drawn(TENDONS[population], stream(subject, "tendons"))
+    return replace(subject, tendons=tendons_of) if tendons else subject
 
 
 def stream(subject: VirtualSubject, purpose: str, trial: int | None = None) -> np.random.Generator:

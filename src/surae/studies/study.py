@@ -194,8 +194,8 @@ def rise(combination: Mapping[str, Any]) -> float:
 def _check_motions(study: Study) -> None:
     """Refuse a combination whose protocol is impossible, naming it."""
     rate = "chirp_rate" if "chirp_rate" in study.factors else "chirp_factor"
-    own = [name for name in OWN_MOTION if name in study.factors]
-    names = ("protocol", "chirp_amplitude", rate, "task", "rate_hz", *own)
+    motions = [name for name in OWN_MOTION if name in study.factors]
+    names = ("protocol", "chirp_amplitude", rate, "task", "rate_hz", *motions)
     for values in itertools.product(*(study.factors[name] for name in names)):
         try:
             motion(dict(zip(names, values, strict=True)))

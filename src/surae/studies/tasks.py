@@ -151,8 +151,8 @@ def _fit(task: FitTask) -> TaskOutcome:
     spec = get_model(task.model)
     drawn = virtual_subject(_SUBJECTS * task.seed + task.subject, task.population, tendons=True)
     # A tendon of the subject's own only where it is estimated: what is fixed is fixed rightly.
-    own = {name: value for name, value in drawn.tendons.items() if name in spec.free}
-    subject = replace(drawn, tendons=own)
+    tendons = {name: value for name, value in drawn.tendons.items() if name in spec.free}
+    subject = replace(drawn, tendons=tendons)
     # Another noise in every motion, effort and repeat; models and their options share it.
     cell = [task.protocol, task.task, task.chirp_amplitude, task.chirp_rate, task.rate_hz]
     trial = virtual_trial(

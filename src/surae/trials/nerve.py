@@ -16,8 +16,8 @@ def nerve_of(trials: Sequence[Trial]) -> Nerve | None:
     speeds = list[float]()
     for trial in trials:
         if trial.use == "fit" and trial.recording is not None:
-            own = relaxed_speeds(signals_of(trial.recording))
-            speeds += own
-            moved += [trial.recording][: len(own)]
+            speeds_of = relaxed_speeds(signals_of(trial.recording))
+            speeds += speeds_of
+            moved += [trial.recording][: len(speeds_of)]
     stretched = moved if slow_and_fast(speeds) else []
     return of_session(perturbed, stretched) if perturbed or stretched else None

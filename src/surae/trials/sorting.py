@@ -241,19 +241,19 @@ def _effort(
     """Effort of a trial, and why."""
     if is_named_maximal(trial.name):
         return "maximal", "maximal by its name"
-    own = levels[trial.name]
-    if not own:
+    of_trial = levels[trial.name]
+    if not of_trial:
         return "unknown", "no EMG tells what the muscles did"
     shares: dict[str, float] = {}
-    for muscle in (m for m in MUSCLES if m in own):
+    for muscle in (m for m in MUSCLES if m in of_trial):
         every = [levels[name][muscle] for name in levels if muscle in levels[name]]
         rest = min(level.rest for level in every)
         top = max(level.top for level in every)
         if top >= _SILENT * rest:
-            shares[muscle] = (own[muscle].top - rest) / (top - rest)
+            shares[muscle] = (of_trial[muscle].top - rest) / (top - rest)
             harder = [levels[name][muscle].top for name in moving if muscle in levels[name]]
-            if not trial.moves and harder and own[muscle].top >= _HARDER * max(harder):
-                times = own[muscle].top / max(harder)
+            if not trial.moves and harder and of_trial[muscle].top >= _HARDER * max(harder):
+                times = of_trial[muscle].top / max(harder)
                 return "maximal", (
                     f"the EMG of {muscle.upper()} is {times:.2g} times what it is in any trial "
                     "that moves"

@@ -203,8 +203,8 @@ def common_errors(
             if _ is None:
                 said.append(f"{_IN_TRIALS.format(what=what, **given)} {texts[0]}")
             else:
-                told = texts[0] if isinstance(texts[0], Message) else KINDS[code].advice
-                said.append(f"{_(_IN_TRIALS, what=_(what), **given)} {_(told)}")
+                remedy = texts[0] if isinstance(texts[0], Message) else KINDS[code].advice
+                said.append(f"{_(_IN_TRIALS, what=_(what), **given)} {_(remedy)}")
     return tuple(said)
 
 

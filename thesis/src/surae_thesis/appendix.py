@@ -148,10 +148,10 @@ def linear(n: Numbers, small: float) -> Ruling:
 def non_linear(n: Numbers, small: float, high: float) -> Ruling:
     """The correlation of b and u, and the largest of the others."""
     pairs = n.offset.pairs()
-    own = pairs.pop(("b", "u"))
+    diagonal = pairs.pop(("b", "u"))
     worst = max(map(abs, pairs.values()))
-    text = f"b–u {own:+.2f}, others at most {worst:.2f}"
-    return Ruling(abs(own) >= high and worst <= small, text)
+    text = f"b–u {diagonal:+.2f}, others at most {worst:.2f}"
+    return Ruling(abs(diagonal) >= high and worst <= small, text)
 
 
 def accurate(n: Numbers) -> Ruling:

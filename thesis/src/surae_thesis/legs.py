@@ -61,8 +61,8 @@ def thesis_leg(
     stiffness, torque = _TIBIALIS[population]
     k = stiffness * drawn.parameters["k_tib"]
     force = stream(drawn, "passive tibialis").uniform(*torque) / _ARM
-    own = {"k_tib": k, "x0_tib": _LENGTH - math.log(force) / k}
-    return replace(drawn, parameters={**drawn.parameters, **own})
+    tibialis = {"k_tib": k, "x0_tib": _LENGTH - math.log(force) / k}
+    return replace(drawn, parameters={**drawn.parameters, **tibialis})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -59,6 +59,6 @@ def _asked(fit: Fit, of: Sequence[str], trials: CheckedTrials) -> list[AskedTria
 def _apart(alone: Mapping[str, Fit], joint: Fit | None) -> tuple[Reason, ...]:
     """The trial that contradicts all together in parameters that stiffness rests on, if any."""
     together = None if joint is None else joint.assessment
-    found = contradictions({name: fit.assessment for name, fit in alone.items()}, together)
-    names = sorted(PASSIVE & found.keys())
-    return (against("apart", trial=found[names[0]][0], names=", ".join(names)),) if names else ()
+    apart = contradictions({name: fit.assessment for name, fit in alone.items()}, together)
+    names = sorted(PASSIVE & apart.keys())
+    return (against("apart", trial=apart[names[0]][0], names=", ".join(names)),) if names else ()

@@ -39,7 +39,11 @@ def _crossed(fit: Fit, parts: Sequence[ModelInputs], fitted: bool) -> Crossed:
     if fitted:
         pairs = list(zip(fit.result.problem.inputs, fit.result.residuals, strict=True))
         errors = [
-            next(counted(own, left) for own, left in pairs if same_signals(own, part))
+            next(
+                counted(fitted_part, left)
+                for fitted_part, left in pairs
+                if same_signals(fitted_part, part)
+            )
             for part in parts
         ]
     else:

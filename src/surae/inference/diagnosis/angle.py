@@ -65,7 +65,7 @@ def wrong_angle(recording: Recording) -> tuple[Finding, Recording] | None:
     left = [(what, each) for what, each in left if what.departures == fewest]
     named = {what.words: what for what, _ in left}
     factor = FACTORS["angle"][unit]
-    found = Message(
+    range_said = Message(
         "read/range/far" if far else "read/range",
         low=low / factor,
         high=high / factor,
@@ -96,7 +96,7 @@ def wrong_angle(recording: Recording) -> tuple[Finding, Recording] | None:
         span_of(channel.time),
         value,
         advice=advice,
-        range=found,
+        range=range_said,
         **what,
     ), right
 

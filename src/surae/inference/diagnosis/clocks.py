@@ -126,19 +126,19 @@ def clock_drift(
 
     `fit` is the quick fit of the recording as it is.
     """
-    found = estimated_clock(recording, signals, fit, stream=stream)
-    if found is None or not found.told or found.seen < _VISIBLE:
+    drift = estimated_clock(recording, signals, fit, stream=stream)
+    if drift is None or not drift.told or drift.seen < _VISIBLE:
         return None
-    sem = float(np.hypot(found.rate_sem, _LACKS))
-    if abs(found.rate) < _CLEAR * sem:
+    sem = float(np.hypot(drift.rate_sem, _LACKS))
+    if abs(drift.rate) < _CLEAR * sem:
         return None
-    if not _RATE[0] <= abs(found.rate) <= _RATE[1]:
+    if not _RATE[0] <= abs(drift.rate) <= _RATE[1]:
         return None
-    before = quick_fit(recording, moved(signals, found.lag, 0.0, stream), near=fit)
-    after = quick_fit(recording, moved(signals, found.lag, found.rate, stream), near=fit)
+    before = quick_fit(recording, moved(signals, drift.lag, 0.0, stream), near=fit)
+    after = quick_fit(recording, moved(signals, drift.lag, drift.rate, stream), near=fit)
     if before is None or after is None or not after.r2 > max(before.r2, _EXPLAINS):
         return None
-    own = (found.rate, sem, found.lag, found.lag_sem)
+    own = (drift.rate, sem, drift.lag, drift.lag_sem)
     return ClockDrift(*own, stream, before, after)
 
 
@@ -273,7 +273,7 @@ def _solved(y: FloatArray, columns: FloatArray, changes: float) -> _Coefficient 
         return None
     used = size > 1e-12 * size.max()
     scaled = columns[:, used] / size[used]
-    own = columns[:, 0] - scaled[:, 1:] @ np.linalg.lstsq(scaled[:, 1:], columns[:, 0])[0]
+    across = columns[:, 0] - scaled[:, 1:] @ np.linalg.lstsq(scaled[:, 1:], columns[:, 0])[0]
     try:
         y, scaled = _whitened(y, scaled)
         inverse = np.linalg.pinv(scaled.T @ scaled)
@@ -289,7 +289,7 @@ def _solved(y: FloatArray, columns: FloatArray, changes: float) -> _Coefficient 
     first = float(beta[0] / size[0])
     if not (np.isfinite([first, sem]).all() and sem > 0.0):
         return None
-    return _Coefficient(first, sem, float(own @ own) / changes)
+    return _Coefficient(first, sem, float(across @ across) / changes)
 
 
 def _whitened(y: FloatArray, columns: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -316,8 +316,8 @@ def _jackknife(y: FloatArray, columns: FloatArray) -> float:
     each = []
     for stretch in np.array_split(np.arange(len(y)), _STRETCHES):
         part = columns[stretch]
-        own = np.linalg.pinv(normal - part.T @ part) @ (moment - part.T @ y[stretch])
-        each.append(float(own[0]))
+        without = np.linalg.pinv(normal - part.T @ part) @ (moment - part.T @ y[stretch])
+        each.append(float(without[0]))
     return float(np.sqrt((_STRETCHES - 1) * np.var(each)))
 
 

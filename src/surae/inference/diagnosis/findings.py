@@ -96,12 +96,12 @@ def _examined(
         findings.append(make_finding("angle-still", "angle", span, high - low, degrees=degrees))
         return _together(quality, findings, but=("angle-units", "rom-not-covered"))
     # inertia makes most of the torque of small random perturbations
-    told = signals.torque is not None and not perturbing(signals.angle, signals.rate_hz)
-    if told and float(np.ptp(signals.time)) < TOO_SHORT:
+    movable = signals.torque is not None and not perturbing(signals.angle, signals.rate_hz)
+    if movable and float(np.ptp(signals.time)) < TOO_SHORT:
         reason = f"Shorter than {TOO_SHORT:g} s, it can be fitted in too many ways to tell."
         skipped = (*quality.skipped, *(Skipped(code, reason) for code in _BY_FIT))
         return _together(replace(quality, skipped=skipped), findings)
-    fit = quick_fit(right, signals) if told else None
+    fit = quick_fit(right, signals) if movable else None
     if fit is None:
         return _together(quality, findings)
     drift = _drift(right, signals, fit, wanted=clocks)
@@ -214,9 +214,9 @@ def _with_interval(
 
 def _together(quality: Quality, findings: list[Finding], but: tuple[str, ...] = ()) -> Quality:
     """The findings of the checks, but for those of some codes, and others."""
-    own = {*but, *(finding.code for finding in findings)}
-    kept = [finding for finding in quality.findings if finding.code not in own]
-    skipped = tuple(reason for reason in quality.skipped if reason.check not in own)
+    replaced = {*but, *(finding.code for finding in findings)}
+    kept = [finding for finding in quality.findings if finding.code not in replaced]
+    skipped = tuple(reason for reason in quality.skipped if reason.check not in replaced)
     return replace(quality, findings=ordered([*findings, *kept]), skipped=skipped)
 
 

@@ -82,8 +82,8 @@ def examined_in_windows(
     skipped: dict[str, Skipped] = {}
     for quality in judged:
         skipped |= {each.check: each for each in quality.skipped if each.check not in skipped}
-    found = {finding.code for finding in findings}
-    left = tuple(each for code, each in skipped.items() if code not in found)
+    codes = {finding.code for finding in findings}
+    left = tuple(each for code, each in skipped.items() if code not in codes)
     return Quality(recording.name, ordered(findings), left)
 
 

@@ -25,7 +25,7 @@ def moved(signals: Signals, lag: float, rate: float, stream: Stream = "emg") -> 
     angle = signals.angle
     fast = signals.fast
     if stream != "angle":
-        fast = {muscle: np.interp(at, time, own) for muscle, own in fast.items()}
+        fast = {muscle: np.interp(at, time, envelope) for muscle, envelope in fast.items()}
     if stream != "emg":
         angle = np.interp(at, time, angle)
     return replace(signals, angle=angle, fast=fast)

@@ -198,14 +198,14 @@ def _slow(rows: FloatArray, values: Mapping[str, float]) -> FrozenDict[str, tupl
     others /= np.maximum(np.linalg.norm(others, axis=0), 1e-300)
     basis = np.linalg.qr(others)[0]
     left = e - basis @ (basis.T @ e)
-    found = {}
+    grown = {}
     for role, column in grows.items():
-        own = column - basis @ (basis.T @ column)
-        power = float(own @ own)
+        across = column - basis @ (basis.T @ column)
+        power = float(across @ across)
         if power > 1e-6 * float(column @ column):
-            size = float(own @ left) / power
-            found[role] = (size, size**2 * power / max(float(left @ left), 1e-300))
-    return FrozenDict(found)
+            size = float(across @ left) / power
+            grown[role] = (size, size**2 * power / max(float(left @ left), 1e-300))
+    return FrozenDict(grown)
 
 
 def percent(r2: float) -> Message:

@@ -215,13 +215,13 @@ def _emg_unit(recording: Recording, electrodes: Electrodes | None) -> _Righted |
     """
     volts = [r for r, c in recording.channels.items() if r.startswith("emg_") and c.unit == "V"]
     levels = _levels(recording, electrodes)
-    levels = {role: own for role, own in levels.items() if role in volts}
-    tops = {role: own.peak for role, own in levels.items()}
+    levels = {role: level for role, level in levels.items() if role in volts}
+    tops = {role: level.peak for role, level in levels.items()}
     largest = max(tops, key=lambda role: tops[role], default="")
     top = tops.get(largest, 0.0)
     others = max((top for role, top in tops.items() if role != largest), default=0.0)
     span = span_of(recording.channels["angle"].time)
-    works = all(own.works for own in levels.values()) and others > 0.0
+    works = all(level.works for level in levels.values()) and others > 0.0
     if works and top > _MUSCLES * others:
         factor, unit = (1e-6, "µV") if top > 1e4 * others else (1e-3, "mV")
         finding = make_finding(
@@ -244,7 +244,7 @@ def _emg_unit(recording: Recording, electrodes: Electrodes | None) -> _Righted |
         return taken, recording
     if (smaller := _named_smaller(recording, levels)) is not None:
         return smaller, recording
-    if 0.0 < top < _NOISE and max(own.top for own in levels.values()) < _NOISE:
+    if 0.0 < top < _NOISE and max(level.top for level in levels.values()) < _NOISE:
         small = make_finding("emg-unit/small", None, span, top, severity="warning", top=top)
         return small, recording
     if top > _SKIN:
@@ -259,4 +259,4 @@ def _levels(recording: Recording, electrodes: Electrodes | None) -> dict[str, El
         signals = signals_of(recording)
         electrodes = electrodes_of(recording, signals.fast, signals.rate_hz)
     known = {} if electrodes is None else electrodes.levels
-    return {f"emg_{muscle}": own for muscle, own in known.items()}
+    return {f"emg_{muscle}": level for muscle, level in known.items()}

@@ -138,9 +138,9 @@ def identifiability(result: FitResult, *, variance_inflation: float = 1.0) -> Id
 def _torque_rms(result: FitResult) -> float:
     """Root mean square of the measured torque, weighted as the fit is [Nm]."""
     total = 0.0
-    for own in result.problem.inputs:
-        if own.torque is not None:
-            total += float(np.sum(own.weights * own.torque**2))
+    for recording in result.problem.inputs:
+        if recording.torque is not None:
+            total += float(np.sum(recording.weights * recording.torque**2))
     return float(np.sqrt(total / result.problem.n))
 
 

@@ -189,8 +189,10 @@ def _parameters(
             if robust is not None:
                 j = robust.names.index(name)
                 sem_robust = float(np.sqrt(robust.matrix[j, j]))
-            told = _by_covariance(name, result, estimated, known, (lower, upper), adequacy, against)
-            ci95, again, repeatable, budget, verdict, note = told
+            judged = _by_covariance(
+                name, result, estimated, known, (lower, upper), adequacy, against
+            )
+            ci95, again, repeatable, budget, verdict, note = judged
             if name in tied:
                 ci95 = None
                 verdict = Verdict.UNDETERMINED
@@ -286,8 +288,8 @@ def _with_geometry(
     geometry = known.geometry
     if geometry is None or not geometry.moves(name) or not value > 0.0 or half > _BOUNDLESS:
         return _possible(value, half, lower), half, half
-    own = NORMAL * geometry.sd(name) * value
-    alone = math.sqrt(max(half**2 - own**2, 0.0))
+    of_geometry = NORMAL * geometry.sd(name) * value
+    alone = math.sqrt(max(half**2 - of_geometry**2, 0.0))
     low, high = geometry.about(name, _possible(value, alone, lower))
     assert low is not None
     assert high is not None

@@ -87,13 +87,15 @@ def template_torque(others: Sequence[ModelInputs], recording: ModelInputs) -> Fl
     recording. None where the mean angle at the same phase is another movement.
     """
     for phase_of in (_of_cycle, _of_whole):
-        own = phase_of(recording)
+        phase_here = phase_of(recording)
         phases = [phase_of(each) for each in others]
-        if own is None or any(phase is None for phase in phases):
+        if phase_here is None or any(phase is None for phase in phases):
             continue
-        own = np.where(own < 0.0, own + 1.0, own)  # what stands before is its own end
+        phase_here = np.where(
+            phase_here < 0.0, phase_here + 1.0, phase_here
+        )  # what stands before is its own end
         angle, torque = (
-            _mean_at(own, phases, [getattr(each, name) for each in others])
+            _mean_at(phase_here, phases, [getattr(each, name) for each in others])
             for name in ("angle", "torque")
         )
         away = recording.angle - recording.angle.mean()
@@ -134,14 +136,12 @@ def _of_cycle(recording: ModelInputs) -> FloatArray | None:
 
 
 def _mean_at(
-    own: FloatArray, phases: Sequence[FloatArray | None], signals: Sequence[FloatArray]
+    at: FloatArray, phases: Sequence[FloatArray | None], signals: Sequence[FloatArray]
 ) -> FloatArray:
     """The mean of others' signals at phases, shape (n,); each of them counts alike."""
     if all(phase is not None and np.all(np.diff(phase) >= 0.0) for phase in phases):
         pairs = zip(phases, signals, strict=True)  # each phase but once
-        return np.asarray(
-            np.mean([np.interp(own, p, s) for p, s in pairs if p is not None], axis=0)
-        )
+        return np.asarray(np.mean([np.interp(at, p, s) for p, s in pairs if p is not None], axis=0))
     edges = np.linspace(0.0, 1.0, _POINTS)
     middle = 0.5 * (edges[1:] + edges[:-1])
     means = []
@@ -152,7 +152,7 @@ def _mean_at(
         total = np.bincount(bins, weights=signal, minlength=len(middle))
         there = count > 0
         means.append(np.interp(middle, middle[there], total[there] / count[there]))
-    return np.asarray(np.interp(own, middle, np.mean(means, axis=0)))
+    return np.asarray(np.interp(at, middle, np.mean(means, axis=0)))
 
 
 def ridge_torque(others: Sequence[ModelInputs], recording: ModelInputs) -> FloatArray | None:
@@ -178,8 +178,8 @@ def ridge_torque(others: Sequence[ModelInputs], recording: ModelInputs) -> Float
 
     def score(penalty: float) -> float:
         missed = 0.0
-        for own, by, z, torque in products:
-            weights = _solved(gram - own, along - by, penalty * (len(y) - len(torque)))
+        for gram_of, by, z, torque in products:
+            weights = _solved(gram - gram_of, along - by, penalty * (len(y) - len(torque)))
             missed += float(np.sum((torque - z @ weights) ** 2))
         return missed
 

@@ -85,6 +85,6 @@ def followed(
         modelled = seen_by(film.channel, values, length)
         grown = 1.0 + values.get(names_of_film(film.channel)[0], 0.0)
         filmed = stretch + (modelled - seen) / grown
-        own = (time, seen, modelled, stretch, filmed, force, torque)
-        each.append(Fascicles(recording.name, film.channel, *own))
+        series = (time, seen, modelled, stretch, filmed, force, torque)
+        each.append(Fascicles(recording.name, film.channel, *series))
     return tuple(each)

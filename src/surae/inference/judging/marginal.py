@@ -41,7 +41,7 @@ _FAR = 2.9
 
 
 def marginal(
-    found: PosteriorMode,
+    mode: PosteriorMode,
     problem: FitProblem,
     known: Uncertainty,
     adequacy: Adequacy,
@@ -68,7 +68,7 @@ def marginal(
             half = max(ci95[1] - p.value, p.value - ci95[0])
         again = known.interval(name, NORMAL * budget.repeat, centred=False)
         repeatable = (again[1] - again[0]) / 2.0 <= IDENTIFIED * abs(p.value) and not withheld
-        narrowed, assumed = _beside_population(p, budget.sd, found.population.get(name), problem)
+        narrowed, assumed = _beside_population(p, budget.sd, mode.population.get(name), problem)
         verdict = verdict_of(
             p.value,
             half,
@@ -107,10 +107,10 @@ def _with_own(name: str, known: Uncertainty, ends: tuple[float, float]) -> tuple
     These were stated, or chosen by the data, and are among those that may be, however far they are
     from the mean of people's.
     """
-    own = known.at_assumed
-    if not (known.goes_with_geometry(name) and name in own.names):
+    assumed = known.at_assumed
+    if not (known.goes_with_geometry(name) and name in assumed.names):
         return ends
-    low, high = own.interval(name, NORMAL * own.sd(own.along(name)))
+    low, high = assumed.interval(name, NORMAL * assumed.sd(assumed.along(name)))
     return min(ends[0], low), max(ends[1], high)
 
 

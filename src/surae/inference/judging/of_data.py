@@ -46,15 +46,17 @@ def _not_as_stated(quality: Sequence[Quality]) -> Iterator[Reason]:
 def _errors(quality: Sequence[Quality]) -> Iterator[Reason]:
     """Any other error that stands, of each recording the first."""
     for trial in quality:
-        found = [
+        errors = [
             f
             for f in trial.findings
             if f.severity == "error" and f.code not in (*NOT_AS_STATED, *_MET_OTHERWISE)
         ]
-        if found:
-            of_emg = all((f.channel or "").startswith("emg") for f in found)
+        if errors:
+            of_emg = all((f.channel or "").startswith("emg") for f in errors)
             scope = Scope.MUSCLES if of_emg else Scope.ALL
-            yield against("error-stands", scope=scope, trial=trial.recording, what=found[0].message)
+            yield against(
+                "error-stands", scope=scope, trial=trial.recording, what=errors[0].message
+            )
 
 
 def range_moved(inputs: Sequence[ModelInputs]) -> float:

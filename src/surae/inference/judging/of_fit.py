@@ -78,9 +78,9 @@ def _bounds(result: FitResult) -> Iterator[Reason]:
     leg = [name for name in result.problem.free if group_of(name) is None]
     if all(range_moved([recording]) < STILL for recording in result.problem.inputs):
         leg = [name for name in leg if name not in _OF_MOVEMENT]  # which holds do not tell
-    if own := [name for name in leg if name in result.at_bound]:
-        grave = len(own) > _MOST_BOUND * len(leg)
-        yield against("at-bound", grave=grave, names=", ".join(own))
+    if bounded := [name for name in leg if name in result.at_bound]:
+        grave = len(bounded) > _MOST_BOUND * len(leg)
+        yield against("at-bound", grave=grave, names=", ".join(bounded))
 
 
 def _laboratory(result: FitResult) -> Iterator[Reason]:
@@ -88,14 +88,14 @@ def _laboratory(result: FitResult) -> Iterator[Reason]:
     posterior = result.posterior
     if posterior is None:
         return
-    own = posterior.each
+    each = posterior.each
     joint = result.problem.options.anatomy
     meanings = {p.name: joint.worded(p.meaning) for p in result.problem.spec.parameters}
     stated = result.problem.settings.known
     odd = [
         f"{meanings[name]} ({name})"
         for name, belief in posterior.beliefs.items()
-        if group_of(name) not in stated and _is_odd(own.get(name, (result.values[name],)), belief)
+        if group_of(name) not in stated and _is_odd(each.get(name, (result.values[name],)), belief)
     ]
     if odd:
         yield against("implausible", names=", ".join(odd))
@@ -148,17 +148,17 @@ def _agreement(result: FitResult, r2: float) -> Iterator[Reason]:
     yield from foot_moved(() if posterior is None else posterior.mountings)
     usual = float(np.median([np.sqrt(np.mean(e**2)) for _, e in pairs]))
     for recording, pair in zip(inputs, pairs, strict=True):
-        own = centred_r2([pair])
+        r2_of = centred_r2([pair])
         name = recording.name
-        grave = own < _NOT_FOLLOWED
+        grave = r2_of < _NOT_FOLLOWED
         error = float(np.sqrt(np.mean(pair[1] ** 2)))
         if range_moved([recording]) < STILL and len(inputs) > 1:
-            if error > _LEAVES * usual and own < r2 - _CONTRADICTS:
+            if error > _LEAVES * usual and r2_of < r2 - _CONTRADICTS:
                 yield against(
                     "hold-not-followed", grave=grave, trial=name, error=error, usual=usual
                 )
-        elif own < r2 - _CONTRADICTS:
-            yield against("trial-not-followed", grave=grave, trial=name, r2=own)
+        elif r2_of < r2 - _CONTRADICTS:
+            yield against("trial-not-followed", grave=grave, trial=name, r2=r2_of)
 
 
 def foot_moved(mountings: Sequence[Mounting]) -> Iterator[Reason]:

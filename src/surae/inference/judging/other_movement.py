@@ -44,11 +44,11 @@ def moves_otherwise(others: Sequence[ModelInputs], recording: ModelInputs) -> bo
     """Whether a recording's angle and speed scatter otherwise than those of all of the others."""
 
     def scatters(of: ModelInputs) -> FloatArray:
-        own = np.stack([of.angle, of.velocity])[:, of.counts]
-        return np.asarray(np.maximum(own.std(axis=1), 1e-6))
+        spread = np.stack([of.angle, of.velocity])[:, of.counts]
+        return np.asarray(np.maximum(spread.std(axis=1), 1e-6))
 
-    own = scatters(recording)
-    apart = [np.abs(np.log(own / scatters(each))).max() for each in others]
+    spread = scatters(recording)
+    apart = [np.abs(np.log(spread / scatters(each))).max() for each in others]
     return bool(min(apart) > np.log(_ALIKE))
 
 
@@ -87,9 +87,9 @@ def beside_simplest(
             return np.asarray(spec.simulator(of, problem.options).torque(vector))
 
     plain = simplest(recording)
-    own = [counted(r, e)[1] for r, e in zip(problem.inputs, result.residuals, strict=True)]
+    by_fit = [counted(r, e)[1] for r, e in zip(problem.inputs, result.residuals, strict=True)]
     left = [counted(r, r.torque - simplest(r))[1] for r in problem.inputs if r.torque is not None]
-    mine, its = (float(np.mean(np.concatenate(each) ** 2)) for each in (own, left))
+    mine, its = (float(np.mean(np.concatenate(each) ** 2)) for each in (by_fit, left))
     if not (np.isfinite(plain).all() and np.isfinite(its) and mine + its > 0.0):
         return None
     weight = mine / (mine + its)

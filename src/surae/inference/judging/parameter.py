@@ -65,8 +65,8 @@ def judge_interval(
         known = Message("note/as-bounds")
     else:
         known = Message("note/wide")
-    own = estimated.names.index(name)
-    row = np.where(np.arange(len(estimated.names)) == own, 0.0, estimated.correlation[own])
+    place = estimated.names.index(name)
+    row = np.where(np.arange(len(estimated.names)) == place, 0.0, estimated.correlation[place])
     partner = int(np.argmax(np.abs(row)))
     if abs(row[partner]) >= _STRONG:
         other = estimated.names[partner]
@@ -82,11 +82,11 @@ def by_geometry(name: str, known: "Uncertainty", ci95: tuple[float, float]) -> M
         return None
     value = float(known.values[known.names.index(name)])
     parts = known.variances(known.along(name))
-    own = {source: parts.get(source, 0.0) for source in known.geometry.rows}
-    if not value > 0.0 or sum(own.values()) < _GEOMETRY * sum(parts.values()):
+    variance = {source: parts.get(source, 0.0) for source in known.geometry.rows}
+    if not value > 0.0 or sum(variance.values()) < _GEOMETRY * sum(parts.values()):
         return None
-    alone = known.interval(name, NORMAL * math.sqrt(sum(own.values())))
-    code = "note/geometry" if own.get("arm_size", 0.0) < sum(own.values()) else "note/arm"
+    alone = known.interval(name, NORMAL * math.sqrt(sum(variance.values())))
+    code = "note/geometry" if variance.get("arm_size", 0.0) < sum(variance.values()) else "note/arm"
     ends = (*ci95, *alone)
     low, high, least, most = (
         f"{100.0 * (end / value - 1.0):+.0f}".replace("-", "−") for end in ends

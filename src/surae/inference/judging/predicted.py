@@ -103,7 +103,7 @@ def drawn_anew(result: FitResult, name: str) -> float:
 def _noise(result: FitResult, recording: ModelInputs) -> float:
     """What a fit leaves of a torque [Nm], in proportion where it changes more than those seen."""
     pairs = zip(*map(counted, result.problem.inputs, result.residuals), strict=True)
-    changes, own = (np.concatenate([part - part.mean() for part in each]) for each in pairs)
+    changes, residuals = (np.concatenate([part - part.mean() for part in each]) for each in pairs)
     assert recording.torque is not None
     changing = float(np.std(recording.torque[recording.counts]))
-    return max(1.0, changing / max(float(np.std(changes)), 1e-12)) * float(np.std(own))
+    return max(1.0, changing / max(float(np.std(changes)), 1e-12)) * float(np.std(residuals))

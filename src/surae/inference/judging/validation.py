@@ -93,9 +93,9 @@ def pooled(predictions: Sequence[Prediction]) -> PooledPrediction:
 
 def covered(predictions: Sequence[Prediction]) -> float:
     """Samples of all that lie within the 95 % interval of their predicted torque [%]."""
-    own = [p.covers for p in predictions if p.covers is not None]
+    shares = [p.covers for p in predictions if p.covers is not None]
     sizes = [len(p.errors[1]) for p in predictions if p.covers is not None]
-    return float(np.average(own, weights=sizes)) if own else np.nan
+    return float(np.average(shares, weights=sizes)) if shares else np.nan
 
 
 def predict_others(

@@ -161,11 +161,11 @@ class _Linear:
     ) -> None:
         self.problem = problem
         named = problem.by_name(problem.start)
-        self.values = np.array([values.get(n, own) for n, own in named.items()])
-        own = self.values[problem.columns]
+        self.values = np.array([values.get(n, start) for n, start in named.items()])
+        start = self.values[problem.columns]
         log = np.array([n in _STRAINS or not (n in _TOES or is_straight(n)) for n in problem.free])
-        self.scale = np.where(log, own, 1.0)
-        self.z = np.where(log, np.log(np.maximum(own, 1e-300)), own)
+        self.scale = np.where(log, start, 1.0)
+        self.z = np.where(log, np.log(np.maximum(start, 1e-300)), start)
         vague = np.where(log, _VAGUE, _VAGUE * (problem.upper - problem.lower))
         given = [
             priors.get(n, Gaussian(float(z), float(sd)))
@@ -173,7 +173,7 @@ class _Linear:
         ]
         self.mean = np.array([belief.mean for belief in given])
         self.weight = np.array([1.0 / belief.sd for belief in given])
-        for j, (x, low, high) in enumerate(zip(own, problem.lower, problem.upper, strict=True)):
+        for j, (x, low, high) in enumerate(zip(start, problem.lower, problem.upper, strict=True)):
             if group_of(problem.free[j]) is None and is_at_bound(float(x), low, high):
                 width = np.log(high / max(low, 1e-2 * x)) if log[j] else high - low
                 self.weight[j] = max(self.weight[j], np.sqrt(12.0) / width)
@@ -220,7 +220,7 @@ class _Linear:
 
 
 def _quadratic(
-    target: _Linear, own: list[tuple[FloatArray, NoiseModel]], zeros: list[Gaussian]
+    target: _Linear, residuals: list[tuple[FloatArray, NoiseModel]], zeros: list[Gaussian]
 ) -> LaplaceApproximation:
     """What data say around the named model: its own residual, and what the richer one can do."""
     # the richer one's residual is another there: its stiffest tendons are none that are rigid
@@ -229,7 +229,9 @@ def _quadratic(
     information = np.zeros((q, q))
     gradient = np.zeros(q)
     cost = 0.0
-    for number, (recording, (e, noise)) in enumerate(zip(target.problem.inputs, own, strict=True)):
+    for number, (recording, (e, noise)) in enumerate(
+        zip(target.problem.inputs, residuals, strict=True)
+    ):
         rows = target.rows(recording)
         again = smoothed(recording)
         blurred = _blurred(target, recording, rows[-1])

@@ -29,19 +29,19 @@ def own_columns(problem: FitProblem) -> list[int]:
 
 def drives_off(problem: FitProblem) -> FitProblem:
     """The problem with its freed drives off, left out where the bounds allow that."""
-    own = own_columns(problem)
-    values = problem.by_name(held_off(problem, problem.start[own]))
+    columns = own_columns(problem)
+    values = problem.by_name(held_off(problem, problem.start[columns]))
     acts = {name for name, value in values.items() if value and name != "reflex_delay"}
     groups = [group for group in OPTIONAL.values() if acts & {*group}]
     on = [name for name in problem.spec.optional if any(name in group for group in groups)]
     spec = with_optional(get_model(problem.spec.name), on)
-    return problem.of_model(spec, [problem.free[j] for j in own], values, problem.limits)
+    return problem.of_model(spec, [problem.free[j] for j in columns], values, problem.limits)
 
 
-def held_off(problem: FitProblem, own: FloatArray) -> FloatArray:
+def held_off(problem: FitProblem, values: FloatArray) -> FloatArray:
     """All free parameters, shape (p,), from those that are not a drive's, with the drives off."""
     x = np.where([name == "reflex_delay" for name in problem.free], problem.start, 0.0)
-    x[own_columns(problem)] = own
+    x[own_columns(problem)] = values
     return np.asarray(np.clip(x, problem.lower, problem.upper))
 
 
@@ -54,8 +54,8 @@ def delay_valleys(problem: FitProblem, rows: SomeRows, x: FloatArray) -> list[Fl
     points = [here]
     if "emd" in problem.free:
         emd = problem.free.index("emd")
-        own = float(problem.start[emd])  # where the user expects it
-        for delay in sorted({own, *_DELAYS} - {0.0}):
+        expected = float(problem.start[emd])  # where the user expects it
+        for delay in sorted({expected, *_DELAYS} - {0.0}):
             if problem.lower[emd] <= delay <= problem.upper[emd]:
                 point = here.copy()
                 point[emd] = delay

@@ -106,9 +106,10 @@ def _initials(problem: FitProblem, starts: int, seed: int) -> list[FloatArray]:
     rng = np.random.default_rng(seed)
     apart = np.random.default_rng([seed, 1])
     spread = problem.upper - problem.lower
-    own = len(own_columns(problem))
+    plain = len(own_columns(problem))
     random = [
-        problem.lower + spread * np.concatenate([rng.random(own), apart.random(len(spread) - own)])
+        problem.lower
+        + spread * np.concatenate([rng.random(plain), apart.random(len(spread) - plain)])
         for _ in range(starts - 1)
     ]
     return [problem.start, *random]

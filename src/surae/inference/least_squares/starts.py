@@ -140,17 +140,19 @@ def _with_drives(
     Where nothing else looks for another valley, and with a compliant tendon, whose parent has,
     the start's own minimum is tried too.
     """
-    own = own_columns(problem)
+    columns = own_columns(problem)
     off = drives_off(problem)
-    without = from_start(off, Residuals(off, residuals.noise, residuals), follow) if own else None
+    without = (
+        from_start(off, Residuals(off, residuals.noise, residuals), follow) if columns else None
+    )
     descend = _descent(problem, residuals)
     rigid = problem.spec.parent is None
     followed = _descent(problem, residuals, follow)
 
     def minimum(initial: FloatArray, scan: bool) -> Minimum:
-        x = held_off(problem, initial[own])
+        x = held_off(problem, initial[columns])
         if without is not None:
-            before = without(initial[own], scan)
+            before = without(initial[columns], scan)
             x = held_off(problem, before.x)
             if before.outcome is Outcome.INTERRUPTED:
                 return stopped(problem, residuals, x)

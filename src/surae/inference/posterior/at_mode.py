@@ -192,7 +192,7 @@ def _against(
 
 def _each(post: LogPosterior, point: Point, change: FloatArray) -> tuple[OfRecording, ...]:
     """What each recording says by itself, from its quadratic at the common mode."""
-    own = []
+    recordings = []
     prior = post.weight**2
     leg = {n: j for j, n in enumerate(post.problem.free) if group_of(n) is None}
     for b in point.blocks:
@@ -201,15 +201,15 @@ def _each(post: LogPosterior, point: Point, change: FloatArray) -> tuple[OfRecor
         sd = np.sqrt(np.diag(change @ V @ change.T))
         values = post.by_name(np.clip(z, post.lower, post.upper))
         sems = {n: float(sd[j]) for n, j in leg.items()}
-        own.append(OfRecording(FrozenDict({n: values[n] for n in leg}), FrozenDict(sems)))
-    return tuple(own)
+        recordings.append(OfRecording(FrozenDict({n: values[n] for n in leg}), FrozenDict(sems)))
+    return tuple(recordings)
 
 
 def _gained(post: LogPosterior, point: Point) -> tuple[float, ...]:
     """Largest active states by the point's gains, over those of the EMG as it is."""
     largest = []
     for each in (point.c, post.still()):
-        states = [post.observed.effort(point.z, own, i) for i, own in enumerate(each)]
+        states = [post.observed.effort(point.z, effort_of, i) for i, effort_of in enumerate(each)]
         largest.append(np.percentile(np.hstack(states), LARGEST, axis=1))
     gained, plain = largest
     return tuple(np.divide(gained, plain, out=np.ones(2), where=plain > 0.0).tolist())
@@ -232,7 +232,7 @@ def _message(sets: Sequence[Subset], bound: Sequence[str], finite: bool) -> Mess
     if not finite:
         return Message("ended/no-numbers")
     chosen = sets[0]
-    likeliest = max(sets, key=lambda own: own.weight)
+    likeliest = max(sets, key=lambda one: one.weight)
     which = "departures" if chosen.groups else "no-departure"
     text = Message(f"ended/{which}", groups=", ".join(chosen.groups))
     if chosen is not likeliest:

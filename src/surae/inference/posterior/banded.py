@@ -20,11 +20,11 @@ def band_products(columns: FloatArray, first: IntArray, band: FloatArray) -> Non
     for j in range(k):
         for d in range(min(band.shape[0], k - j)):
             shift = min(first[j + d] - first[j], size)
-            own = columns[j, shift:]
+            column = columns[j, shift:]
             other = columns[j + d]
             total = 0.0
-            for t in range(len(own)):
-                total += own[t] * other[t]
+            for t in range(len(column)):
+                total += column[t] * other[t]
             band[d, j] += total
 
 
@@ -46,9 +46,9 @@ def border_products(columns: FloatArray, first: IntArray, rows: FloatArray) -> F
     blocks = np.zeros((len(starts), _BLOCK, wide))
     _fill(columns, first, blocks)
     for i, (block, start) in enumerate(zip(blocks, starts.tolist(), strict=True)):
-        own = out[i * _BLOCK : (i + 1) * _BLOCK]
+        products = out[i * _BLOCK : (i + 1) * _BLOCK]
         there = rows[start : start + wide]
-        np.matmul(block[: len(own), : len(there)], there, out=own)
+        np.matmul(block[: len(products), : len(there)], there, out=products)
     return out
 
 
@@ -81,16 +81,16 @@ def _invert(band: FloatArray, blocks: FloatArray) -> None:
         start = max(begin - wide + 1, 0)
         block = blocks[begin // _BLOCK]
         for i in range(begin, end):
-            own = block[i - begin]
-            own[i - start] = 1.0
+            row = block[i - begin]
+            row[i - start] = 1.0
             for j in range(max(i - wide + 1, 0), min(begin, i)):
-                own[j - start] = -band[j, i - j]
+                row[j - start] = -band[j, i - j]
             for j in range(max(i - wide + 1, begin), i):
                 before = block[j - begin]
                 for t in range(j - start + 1):
-                    own[t] -= band[j, i - j] * before[t]
+                    row[t] -= band[j, i - j] * before[t]
             for t in range(end - start):
-                own[t] /= band[i, 0]
+                row[t] /= band[i, 0]
 
 
 def solve_band(band: FloatArray, right: FloatArray) -> FloatArray:

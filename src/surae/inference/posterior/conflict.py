@@ -71,7 +71,7 @@ def conflicts(
     """
     from scipy.special import gammaincc
 
-    found: dict[str, Conflict] = {}
+    by_statement: dict[str, Conflict] = {}
     of = [
         group if (group := group_of(name) or name) in groups and name in wide else ""
         for name in names
@@ -88,19 +88,25 @@ def conflicts(
         mean[freed] = [wide[names[j]].mean for j in freed]
         weight[freed] = [1.0 / wide[names[j]].sd for j in freed]
         _, _, V = replace(laplace, mean=mean, weight=weight).solved()
-        told = [j for j in said if V[j, j] < (_TOLD * wide[names[j]].sd) ** 2]
-        if not told:
+        informed = [j for j in said if V[j, j] < (_TOLD * wide[names[j]].sd) ** 2]
+        if not informed:
             continue
-        own = np.diag([stated[names[j]].sd ** 2 for j in told])
+        prior_covariance = np.diag([stated[names[j]].sd ** 2 for j in informed])
         square = []
         for prior in (1.0, _NO_PRIOR):
-            weight[told] *= prior
+            weight[informed] *= prior
             _, mode, V = replace(laplace, mean=mean, weight=weight).solved()
-            apart = mode[told] - np.array([stated[names[j]].mean for j in told])
-            square.append(float(apart @ np.linalg.solve(V[np.ix_(told, told)] + own, apart)))
-        probability = float(gammaincc(0.5 * len(told), 0.5 * square[0]))
-        found[statement] = Conflict(tuple(told), probability, float(np.sqrt(square[1] / len(told))))
-    return found
+            apart = mode[informed] - np.array([stated[names[j]].mean for j in informed])
+            square.append(
+                float(
+                    apart @ np.linalg.solve(V[np.ix_(informed, informed)] + prior_covariance, apart)
+                )
+            )
+        probability = float(gammaincc(0.5 * len(informed), 0.5 * square[0]))
+        by_statement[statement] = Conflict(
+            tuple(informed), probability, float(np.sqrt(square[1] / len(informed)))
+        )
+    return by_statement
 
 
 def with_zero(post: LogPosterior, point: Point, said: Gaussian) -> tuple[LogPosterior, Point]:

@@ -70,16 +70,16 @@ def choose(family: Family, values: Mapping[str, float], noise: Sequence[NoiseMod
     """Choose from values without departures, and the noise that they leave."""
     full, point, possible = _with_all(family, values, noise)
     sets = with_likely(_scored(full, point, possible), "spring", "plate", _LIKELY)
-    own = family.like(full, sets[0].groups)
+    likely = family.like(full, sets[0].groups)
     mode = sets[0].mode
-    best = own.descend(own.like(full, mode), *point.latents_at(mode), tolerance=0.1)
+    best = likely.descend(likely.like(full, mode), *point.latents_at(mode), tolerance=0.1)
     names = full.names
     del full, point  # their rows are large
-    if own.fast is None and not family.is_perfect:
-        found = learnt(*_with_noise_of_drives(own, best), 1)
-        own, best = unless_worse(found, (own, best), family.at_rate(RATE_HZ))
-    own, best, moved = rested(own, best)
-    return Chosen(own, best, sets, names, moved)
+    if likely.fast is None and not family.is_perfect:
+        learned = learnt(*_with_noise_of_drives(likely, best), 1)
+        likely, best = unless_worse(learned, (likely, best), family.at_rate(RATE_HZ))
+    likely, best, moved = rested(likely, best)
+    return Chosen(likely, best, sets, names, moved)
 
 
 def _with_all(
@@ -148,10 +148,10 @@ def _rare(
     sets = {s.groups: s for s in _scored(more, more.again(replace(point, z=z)), there)}
     gained = {}
     for group in there:
-        own = sets[group,]
+        alone = sets[group,]
         at = [j for j, each in enumerate(of) if each == group]
-        if np.any(own.mode[at] - z[at] > _MOVED * np.sqrt(own.variance[at])):
-            gained[group] = sets[()].evidence - own.evidence
+        if np.any(alone.mode[at] - z[at] > _MOVED * np.sqrt(alone.variance[at])):
+            gained[group] = sets[()].evidence - alone.evidence
     asked = sorted((g for g in gained if gained[g] > _ASKED), key=lambda g: -gained[g])
     laws = [group for group in asked if group in LAWS]
     return tuple(group for group in asked if group not in laws[1:])
@@ -173,16 +173,16 @@ def _errs(post: LogPosterior, point: Point) -> bool:
     return some.evidence(some.again(there)) < none.evidence(there)
 
 
-def _with_errors_of_drives(own: LogPosterior, point: Point) -> Reached:
+def _with_errors_of_drives(begun: LogPosterior, point: Point) -> Reached:
     """The errors of the drives, at the muscles' frequencies as great as the data ask for."""
-    post, there = _with_noise_of_drives(own, point)
+    post, there = _with_noise_of_drives(begun, point)
     # the evidence of each is with white noise that it leaves itself
     quiet = post.having(noise=learnt_noise(post, there, white=True, anew=True))
     at = quiet.descend(there.z, there.c, there.w, evaluations=8, tolerance=0.1)
     quiet = quiet.having(noise=learnt_noise(quiet, at, white=True, anew=True))
     none = quiet.evidence(quiet.again(at))
     # slow latents begin anew, for they have followed what is fast
-    some = own.having(fast=_ERROR, sizes=BEGIN)
+    some = begun.having(fast=_ERROR, sizes=BEGIN)
     some, where = learnt(some, some.descend(point.z, tolerance=0.3), tolerance=0.1)
     # errors of the least size are none: theirs is another prior, of noise that is known
     there_are = (some.fast or 0.0) > _ANY * ERRORS[0] and some.evidence(where) < none

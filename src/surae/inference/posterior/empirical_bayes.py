@@ -164,13 +164,13 @@ def learnt_noise(
         return posterior.noise
     V = _root_of(posterior, point)
     models = []
-    for number, (own, b) in enumerate(zip(posterior.noise, point.blocks, strict=True)):
+    for number, (noise, b) in enumerate(zip(posterior.noise, point.blocks, strict=True)):
         rows = posterior.rows(point, number)[0]
         recording = posterior.problem.inputs[number]
         e = rows.residual
-        U = _taken(V, b, rows, own)
+        U = _taken(V, b, rows, noise)
         if len(b.fast):
-            U = np.concatenate([U, _drawn(rows, b.band) / np.sqrt(own.variance)])
+            U = np.concatenate([U, _drawn(rows, b.band) / np.sqrt(noise.variance)])
         if recording.weight is not None:  # what does not count has no residual, and is no noise
             e = e[recording.counts]
             U = U[:, recording.counts]

@@ -56,11 +56,11 @@ def _expected(envelope: FloatArray, relative: float, rate_hz: float) -> FloatArr
     drive = np.empty(len(envelope))
     for begin in range(0, len(envelope), _BLOCK):
         first = max(begin - _BESIDE, 0)
-        own = fits[first : begin + _BLOCK + _BESIDE]
-        share = np.zeros_like(own)
-        told = np.empty((len(own), len(slopes), len(levels)))
-        forward(own, slopes, *moves, told, share[:0])
-        forward(own[::-1].copy(), -slopes, *moves, told, share)
+        likely = fits[first : begin + _BLOCK + _BESIDE]
+        share = np.zeros_like(likely)
+        forwards = np.empty((len(likely), len(slopes), len(levels)))
+        forward(likely, slopes, *moves, forwards, share[:0])
+        forward(likely[::-1].copy(), -slopes, *moves, forwards, share)
         each = share @ np.exp(levels) / share.sum(axis=1)
         drive[begin : begin + _BLOCK] = each[begin - first :][:_BLOCK]
     return top * drive

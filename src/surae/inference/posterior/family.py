@@ -243,8 +243,10 @@ def _of_paths(beliefs: Mapping[str, Gaussian], problem: FitProblem) -> dict[str,
         if bend in beliefs and not {bend, "bend"} & stated.keys():
             priors[bend] = replace(beliefs[bend], mean=bend_of_work(options, group))
         length = f"length_zero_{group}"
-        own = problem.settings.geometry_of == GEOMETRY_OF[1] or {length, "length"} & stated.keys()
-        if length in beliefs and options.travel == "virtual-work" and not own:
+        stated_path = (
+            problem.settings.geometry_of == GEOMETRY_OF[1] or {length, "length"} & stated.keys()
+        )
+        if length in beliefs and options.travel == "virtual-work" and not stated_path:
             sd = GEAR.sd * abs(length_at_rest(options, group))
             priors[length] = replace(beliefs[length], sd=max(sd, beliefs[length].sd))
     return priors | _of_films(beliefs, problem)

@@ -81,16 +81,16 @@ def softened(posterior: LogPosterior, point: Point, V: FloatArray) -> list[tuple
 
     Of the muscle group that tells it best, as a part of its torque.
     """
-    found = []
+    softening = []
     for c, b, latents in zip(point.c, point.blocks, posterior.latents, strict=True):
         at = latents.slices["softening"]
-        own = cho_solve(b.factor, np.eye(len(c)))[at, at] + b.solved[at] @ V @ b.solved[at].T
+        covariance = cho_solve(b.factor, np.eye(len(c)))[at, at] + b.solved[at] @ V @ b.solved[at].T
         groups = np.repeat(np.eye(2), len(latents.softening), axis=1)  # all of it at no travel
         size = groups @ c[at]
-        sd = np.sqrt(np.diag(groups @ own @ groups.T))
+        sd = np.sqrt(np.diag(groups @ covariance @ groups.T))
         best = int(np.argmax(size / sd))
-        found.append((float(size[best]), float(sd[best])))
-    return found
+        softening.append((float(size[best]), float(sd[best])))
+    return softening
 
 
 def between_subsets(
@@ -178,10 +178,10 @@ def between_trials(blocks: Sequence[Block], V: FloatArray) -> FloatArray:
     scale = np.sqrt(np.diag(V))
     expected = V @ np.sum([b.H for b in blocks], axis=0) @ V / np.outer(scale, scale)
     sizes, axes = np.linalg.eigh(expected)
-    told = sizes > _ROUNDING * sizes[-1]
-    back = (axes[:, told] * np.sqrt(sizes[told])).T * scale
+    seen_axes = sizes > _ROUNDING * sizes[-1]
+    back = (axes[:, seen_axes] * np.sqrt(sizes[seen_axes])).T * scale
     rows = np.stack([V @ b.g for b in blocks]) * np.sqrt(n / (n - 1.0)) / scale
-    rows = rows @ axes[:, told] / np.sqrt(sizes[told])
+    rows = rows @ axes[:, seen_axes] / np.sqrt(sizes[seen_axes])
     seen = np.sum(rows**2, axis=0)
     return np.asarray(rows * np.sqrt(np.maximum(seen - 1.0, 0.0) / np.maximum(seen, 1.0)) @ back)
 
@@ -194,10 +194,10 @@ def by_torque(
     Of each recording by so much [Nm], `moved`, shape (n, r); its latents follow.
     """
     shifts = np.zeros((moved[0].shape[1], len(V)))
-    for number, (own, b) in enumerate(zip(moved, point.blocks, strict=True)):
+    for number, (torque_of, b) in enumerate(zip(moved, point.blocks, strict=True)):
         rows = posterior.rows(point, number)[0]
         weight = posterior.problem.inputs[number].weight
-        torque = own if weight is None else own * np.sqrt(weight)[:, None]
+        torque = torque_of if weight is None else torque_of * np.sqrt(weight)[:, None]
         variance = posterior.variances(number)[0]
         pull = rows.whole[:-1] @ torque / variance
         if len(b.fast):

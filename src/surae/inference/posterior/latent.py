@@ -98,8 +98,8 @@ class Latents:
 
     def of_parts(self, active: FloatArray, tissue: FloatArray) -> FloatArray:
         """What each value of misfit and softening adds, of the groups' torques [Nm], (36, n)."""
-        of_tissue = [self.softening * own for own in tissue]
-        return np.concatenate([*(self.misfit * own for own in active), *of_tissue])
+        of_tissue = [self.softening * part for part in tissue]
+        return np.concatenate([*(self.misfit * part for part in active), *of_tissue])
 
     @property
     def of_model(self) -> slice:
@@ -118,8 +118,8 @@ class Latents:
     def log_gain(self, c: FloatArray) -> FloatArray:
         """Logarithmic gain of the four muscles over time, shape (4, n)."""
         gains = np.zeros((len(MUSCLES), self.gain.shape[1]))
-        own = c[self.slices["gain"]].reshape(len(self.muscles), len(self.gain))
-        for row, muscle in zip(own, self.muscles, strict=True):
+        by_muscle = c[self.slices["gain"]].reshape(len(self.muscles), len(self.gain))
+        for row, muscle in zip(by_muscle, self.muscles, strict=True):
             gains[muscle] = row @ self.gain
         return gains
 
@@ -204,10 +204,13 @@ class Fast:
                 band[0, i::m] = alone / self.noise[i] ** 2
                 band[m, i : (k - 1) * m : m] = beside / (self.noise[i, 1:] * self.noise[i, :-1])
                 continue
-            own = np.sqrt(size**2 + self.noise[i] ** 2)
+            deviation = np.sqrt(size**2 + self.noise[i] ** 2)
             error = _ornstein(k, self.step / FAST_S)
             error = np.stack(
-                [error[0] / own**2, np.append(error[1][:-1] / (own[1:] * own[:-1]), 0)]
+                [
+                    error[0] / deviation**2,
+                    np.append(error[1][:-1] / (deviation[1:] * deviation[:-1]), 0),
+                ]
             )
             spread = float(np.var(self.log_effort[i]))
             drive = _ornstein(k, self.step / DRIVE_S) / max(spread - size**2, 0.25 * spread, 1e-4)
@@ -223,9 +226,9 @@ class Fast:
     def log_gain(self, w: FloatArray, muscles: tuple[int, ...]) -> FloatArray:
         """Logarithmic gain of the four muscles over time, shape (4, n)."""
         gains = np.zeros((len(MUSCLES), self.n))
-        own = np.zeros((self.n, len(muscles)))
-        lifted(self.shapes, self.first, w.reshape(len(self.first), -1), own)
-        gains[list(muscles)] = own.T
+        by_muscle = np.zeros((self.n, len(muscles)))
+        lifted(self.shapes, self.first, w.reshape(len(self.first), -1), by_muscle)
+        gains[list(muscles)] = by_muscle.T
         return gains
 
 

@@ -216,10 +216,10 @@ class Observed:
         q = self._q
         each = []
         for group in (None, *(film.group for film in latents.films)):
-            own = tangent.jacobian if group is None else tangent.length_jacobian[group]
+            jacobian = tangent.jacobian if group is None else tangent.length_jacobian[group]
             rows = np.zeros((q + latents.size + 1, n))
-            rows[:of_leg] = self._at.searched(own[:of_leg], z)
-            rows[of_leg:q] = own[of_leg:]
+            rows[:of_leg] = self._at.searched(jacobian[:of_leg], z)
+            rows[of_leg:q] = jacobian[of_leg:]
             self._gain_rows(tangent.response, number, rows[q:-1], group)
             each.append(rows)
         return _Seen(tangent, values, each)
@@ -235,14 +235,14 @@ class Observed:
         q = self._q
         n = recording.n
         whole = seen.rows[0].copy()
-        own = whole[q:-1]
+        of_latents = whole[q:-1]
         added = self._added[number]
         if added is None:
             added = self._added[number] = latents.of_parts(tangent.active, tangent.tissue)
-        own[latents.of_model] = added
-        own[latents.slices["drift"]] = latents.drift
+        of_latents[latents.of_model] = added
+        of_latents[latents.slices["drift"]] = latents.drift
         drift = latents.slices["drift"].start
-        whole[-1] = tangent.torque - measured(recording) + c[drift:] @ own[drift:]
+        whole[-1] = tangent.torque - measured(recording) + c[drift:] @ of_latents[drift:]
         response = tangent.response
         moving = bool(len(w)) and not self._noise[number]
         fast, first = self._fast_columns(response, values, number) if moving else _NO_COLUMNS
@@ -270,7 +270,9 @@ class Observed:
                 fast, first = film.short(grown * short, begins)
             each.append(SensorRows(whole, q, fast, first, latents))
         if len(w):
-            self._noise[number] = self._noise[number] or [own.columns() for own in each]
+            self._noise[number] = self._noise[number] or [
+                of_latents.columns() for of_latents in each
+            ]
             for own_rows, like in zip(each, self._noise[number], strict=True):
                 own_rows.noisy(like, w)
         return each
@@ -301,7 +303,7 @@ class Observed:
         return columns, first
 
     def _gain_rows(
-        self, response: Any, number: int, own: FloatArray, group: int | None = None
+        self, response: Any, number: int, into: FloatArray, group: int | None = None
     ) -> None:
         """Derivatives by the slow gains, each followed for as long as it changes anything.
 
@@ -309,14 +311,14 @@ class Observed:
         """
         first, shapes = self._gains[number]
         k = len(first)
-        n = own.shape[1]
+        n = into.shape[1]
         size = min(n, shapes.shape[1] + int(TAIL_S * self._inputs[number].rate_hz))
         for at, muscle in enumerate(self._latents[number].muscles):
             if group not in (None, int(muscle == 0)):
                 continue
             columns = response.columns(muscle, shapes, first, size, lengths=group is not None)
             for j, (begin, column) in enumerate(zip(first, columns, strict=True)):
-                own[at * k + j, begin : begin + size] = column[: n - begin]
+                into[at * k + j, begin : begin + size] = column[: n - begin]
 
 
 def _known(kept: deque[Any], at: Sequence[FloatArray], make: Callable[[], Any]) -> Any:

@@ -261,13 +261,13 @@ class LogPosterior(Coordinates):
         """
         prior, mean = self._fast[number]
         muscles = len(prior) - 1
-        own = each[0][0].band
+        band_of = each[0][0].band
         at_c = each[0][0].still.start
         border = reduce(np.add, (rows.border / variance for rows, variance in each))
         away = w + self.observed.expected[number] - mean
         pull = self.fast_product(number, away[:, None])[:, 0]
         border[:, -1] += pull
-        if number not in self._factored or self._factored[number][0] is not own:
+        if number not in self._factored or self._factored[number][0] is not band_of:
             band = np.zeros((max(len(rows.band) for rows, _ in each), len(w)))
             for rows, variance in each:
                 band[: len(rows.band)] += rows.band / variance
@@ -275,7 +275,7 @@ class LogPosterior(Coordinates):
             band[muscles] += prior[muscles]
             band = cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False).T
             still = reduce(np.add, (rows.still_border / variance for rows, variance in each))
-            self._factored[number] = own, band, solve_band(band, still)
+            self._factored[number] = band_of, band, solve_band(band, still)
         _, band, still = self._factored[number]
         solved = solve_band(band, border)
         fast = np.hstack([solved[:, :at_c], still, solved[:, at_c:]])
@@ -294,7 +294,7 @@ class LogPosterior(Coordinates):
         self, z: FloatArray, c: Sequence[FloatArray], w: Sequence[FloatArray]
     ) -> tuple[Block, ...]:
         """Normal equations of all recordings."""
-        return tuple(self.block(z, *own, i) for i, own in enumerate(zip(c, w, strict=True)))
+        return tuple(self.block(z, *latents, i) for i, latents in enumerate(zip(c, w, strict=True)))
 
     def reduced(self, blocks: Sequence[Block]) -> tuple[FloatArray, FloatArray]:
         """Hessian and gradient of −½·2 ln p by z of the data, latents eliminated."""

@@ -37,7 +37,7 @@ def simplest(family: Family) -> tuple[Mapping[str, float], float]:
         fits.append((plain.values, explained(family.inputs, left)))
         if fits[-1][1] > _LITTLE:
             break
-    return max(fits, key=lambda own: own[1])
+    return max(fits, key=lambda fit: fit[1])
 
 
 def followed(reached: Reached, inputs: Sequence[ModelInputs]) -> float:

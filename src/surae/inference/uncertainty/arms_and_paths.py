@@ -131,7 +131,7 @@ class ArmsAndPaths(Comparable):
                 for p, sd in row.items():
                     logs[p] += sd * scores
         changed = self.moved({**columns, **logs})
-        return {name: changed.get(name, own) for name, own in columns.items()}
+        return {name: changed.get(name, value) for name, value in columns.items()}
 
 
 def widened(

@@ -103,10 +103,10 @@ class Uncertainty(Comparable):
 
     def along(self, name: str) -> FloatArray:
         """The gradient of a parameter itself."""
-        own = {name: 1.0, ZERO: self.turned.get(name, 0.0)} if name != ZERO else {ZERO: 1.0}
+        gradient = {name: 1.0, ZERO: self.turned.get(name, 0.0)} if name != ZERO else {ZERO: 1.0}
         if self.geometry is not None and name not in self.geometry.by:
-            own |= {scale: of[name] for scale, of in self.geometry.by.items() if name in of}
-        return np.array([own.get(other, 0.0) for other in self.names])
+            gradient |= {scale: of[name] for scale, of in self.geometry.by.items() if name in of}
+        return np.array([gradient.get(other, 0.0) for other in self.names])
 
     def covariance(self, *names: str) -> FloatArray:
         """Covariance of these, or of all beside the zero, in products of their units, (k, k)."""
@@ -253,7 +253,7 @@ class Uncertainty(Comparable):
             return legs
         columns = dict(zip(self.names, legs.T, strict=True))
         changed = self.geometry.moved(columns)
-        return np.stack([changed.get(name, own) for name, own in columns.items()], axis=1)
+        return np.stack([changed.get(name, column) for name, column in columns.items()], axis=1)
 
     def moved_leg(self, name: str, by: float) -> dict[str, float]:
         """What changes of a leg where one of the names moves by so much on its scale."""
@@ -327,8 +327,8 @@ def _with_geometry(made: Uncertainty, known: ArmsAndPaths) -> Uncertainty:
     wide = np.isin(names, tuple(known.by))
     rows = {source: np.pad(by, ((0, 0), (0, more))) for source, by in made.rows.items()}
     for source, each in known.rows.items():
-        own = np.array([[row.get(name, 0.0) for name in names] for row in each])
-        rows[source] = np.concatenate([rows[source], own]) if source in rows else own
+        added = np.array([[row.get(name, 0.0) for name in names] for row in each])
+        rows[source] = np.concatenate([rows[source], added]) if source in rows else added
     return replace(
         made,
         names=names,

@@ -105,8 +105,8 @@ def inverse_root(
     )
     if not kept or not np.isfinite(R).all():
         return InverseRoot(kept, np.empty((0, 0)), ())
-    own = [np.sqrt(sigma2) / bounded.get(names[j], np.inf) for j in kept]
-    A = np.vstack([R[:, kept], np.diag(own)])
+    bounds = [np.sqrt(sigma2) / bounded.get(names[j], np.inf) for j in kept]
+    A = np.vstack([R[:, kept], np.diag(bounds)])
     norms = np.linalg.norm(A, axis=0)
     scale = np.where(norms > 0, norms, 1.0)
     _, s, Vt = np.linalg.svd(A / scale, full_matrices=False)

@@ -79,16 +79,16 @@ def robust_covariance(
         parts = zip(problem.inputs, np.split(rows, ends, axis=1), losses, strict=True)
         seen = [
             _Seen(
-                -own[-1],
+                -part[-1],
                 inputs.counts,
-                root.matrix.T @ own[list(root.positions)],
+                root.matrix.T @ part[list(root.positions)],
                 _gain(inputs, loss),
             )
-            for inputs, own, loss in parts
+            for inputs, part, loss in parts
         ]
         white = tuple(
-            whiteness(own.residual, inputs.rate_hz, own.counted, own.absorbed)
-            for own, inputs in zip(seen, problem.inputs, strict=True)
+            whiteness(part.residual, inputs.rate_hz, part.counted, part.absorbed)
+            for part, inputs in zip(seen, problem.inputs, strict=True)
         )
         models = _noise_models(seen)
         robust = _covariance(root, problem.free, seen, models, estimated, outliers)
@@ -104,8 +104,8 @@ def _gain(inputs: ModelInputs, loss: FloatArray | None) -> FloatArray | None:
     if inputs.weight is None or (loss is None and not inputs.emphasised):
         return None
     of_loss = np.ones(inputs.n) if loss is None else loss
-    own = inputs.weight / of_loss if inputs.emphasised else np.ones(inputs.n)
-    return np.where(inputs.weight > 0, np.sqrt(own / of_loss), 1.0)
+    weight = inputs.weight / of_loss if inputs.emphasised else np.ones(inputs.n)
+    return np.where(inputs.weight > 0, np.sqrt(weight / of_loss), 1.0)
 
 
 class _Seen:
@@ -172,14 +172,18 @@ class _Seen:
 
 def _noise_models(seen: Sequence[_Seen]) -> tuple[NoiseModel, ...]:
     """The noise of every recording, with what the parameters took of it given back."""
-    models = [autoregressive(own.sums / own.count, own.samples) for own in seen]
+    models = [
+        autoregressive(recording.sums / recording.count, recording.samples) for recording in seen
+    ]
     for _ in range(_ROUNDS):
         pairs = list(zip(seen, models, strict=True))
-        meat = sum((own.meat(model) for own, model in pairs), start=np.zeros(()))
+        meat = sum((recording.meat(model) for recording, model in pairs), start=np.zeros(()))
         before = [model.autocovariance[0] for model in models]
         models = [
-            autoregressive((own.sums + own.lost(model, meat)) / own.count, own.samples)
-            for own, model in pairs
+            autoregressive(
+                (recording.sums + recording.lost(model, meat)) / recording.count, recording.samples
+            )
+            for recording, model in pairs
         ]
         after = [model.autocovariance[0] for model in models]
         if np.allclose(before, after, rtol=_RESTS, atol=0.0):

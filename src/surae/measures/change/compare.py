@@ -36,8 +36,8 @@ def compare_sessions(
         raise InputError("baselines are sessions of one leg; leave them out to compare two legs")
     drafts: dict[str, tuple[Difference, float, str]] = {}
     for name in dict.fromkeys((*before.by_name, *after.by_name)):
-        own = [b.by_name[name] for b in baselines if name in b.by_name]
-        draft, freedom = difference_of(name, before, after, own, legs=legs)
+        at_baselines = [b.by_name[name] for b in baselines if name in b.by_name]
+        draft, freedom = difference_of(name, before, after, at_baselines, legs=legs)
         doubt = None if draft.p is None else doubt_of(name, before, after, legs=legs)
         drafts[name] = draft, freedom, doubt or ""
     if rest is not None:

@@ -108,5 +108,5 @@ def _between(before: Quantity, baselines: Sequence[Quantity]) -> tuple[float, in
     values = [q.value for q in usable if q.value is not None]
     mean = sum(values) / len(values)
     seen = sum((value - mean) ** 2 for value in values) / (len(values) - 1)
-    own = sum(q.session**2 + q.model**2 for q in usable) / len(usable)
-    return max(seen - SCATTER**2 * own, 0.0), len(usable) - 1
+    within = sum(q.session**2 + q.model**2 for q in usable) / len(usable)
+    return max(seen - SCATTER**2 * within, 0.0), len(usable) - 1

@@ -42,8 +42,8 @@ def at_torques(curve: RelaxedCurve, legs: PossibleLegs) -> Iterator[Draft]:
             stiff = replace(stiff, missing=why)
         else:
             at = _crossing(degrees, torque, wanted)
-            own = at + curve.zero_deg
-            bare = replace(bare, device=own, ankle=own + legs.zero, power=0.0)
+            on_device = at + curve.zero_deg
+            bare = replace(bare, device=on_device, ankle=on_device + legs.zero, power=0.0)
             slope = legs.scale * relaxed_stiffness(curve, legs, at)
             stiff = replace(stiff, device=slope, ankle=slope)
         yield bare

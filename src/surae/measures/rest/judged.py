@@ -114,7 +114,7 @@ def _measure(asked: Draft, curve: RelaxedCurve, legs: PossibleLegs) -> RestMeasu
     verdict, note = _judged(value, ci95, asked.unit, curve)
     anew = math.sqrt(2.0)
     begin, middle, end = _quantiles(asked.device[there] / same, share)
-    own, _, other = _quantiles(asked.ankle[there] / same, share)
+    by_ankle, _, other = _quantiles(asked.ankle[there] / same, share)
     made = replace(
         bare,
         value=value,
@@ -125,7 +125,7 @@ def _measure(asked: Draft, curve: RelaxedCurve, legs: PossibleLegs) -> RestMeasu
         note=note,
         method="draws",
     )
-    session = standard_error_of((min(own, begin), max(other, end)))
+    session = standard_error_of((min(by_ankle, begin), max(other, end)))
     return RestMeasure(made, standard_error_of(ci95), session)
 
 

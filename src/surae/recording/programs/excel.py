@@ -55,9 +55,9 @@ def open_table(source: Source) -> Table:
     def load(wanted: Sequence[str]) -> Mapping[str, Column]:
         loaded: dict[str, Column] = {}
         for table in tables.values():
-            own = {name: places[name][1] for name in wanted if places[name][0] is table}
-            columns = table.load([*own.values()])
-            loaded |= {name: replace(columns[its], name=name) for name, its in own.items()}
+            names = {name: places[name][1] for name in wanted if places[name][0] is table}
+            columns = table.load([*names.values()])
+            loaded |= {name: replace(columns[its], name=name) for name, its in names.items()}
         return loaded
 
     units = {name: table.units.get(its, "") for name, (table, its) in places.items()}

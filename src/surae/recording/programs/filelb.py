@@ -69,8 +69,8 @@ def open_table(source: Source) -> Table:
     for number, case in enumerate(cases, start=1):
         before = f"case {number}: " if len(cases) > 1 else ""
         for index, name in enumerate(case.names):
-            own = before + (name or f"channel {index + 1}")
-            places[own if own not in places else f"{own} #{index + 1}"] = case, index
+            full = before + (name or f"channel {index + 1}")
+            places[full if full not in places else f"{full} #{index + 1}"] = case, index
 
     def load(wanted: Sequence[str]) -> Mapping[str, Column]:
         loaded = {}

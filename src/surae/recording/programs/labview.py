@@ -63,15 +63,15 @@ def _segments(lvm_read: Any, data: bytes) -> Iterator[Parsed]:
                 count = int(_nth(said.get("Samples"), channel, len(block)))
                 step, start = (_nth(said.get(k), channel, 0.0) for k in ("Delta_X", "X0"))
                 later = starts.get((number, channel), 0.0)
-                own: Any = (start + later, 1.0 / step if step > 0 else 0.0)
+                clock: Any = (start + later, 1.0 / step if step > 0 else 0.0)
                 if whole.get("X_Columns", "One") != "No" and time is not None:
-                    own = time[:count] + later
+                    clock = time[:count] + later
                 unit = _nth(said.get("Y_Unit_Label"), channel, "")
                 label = before * (whole["Segments"] > 1) + name
                 remark = ""
                 if count > len(block):
                     remark = cut_short(count, len(block))
-                yield Parsed(label, block[:count, index], own, unit, remark)
+                yield Parsed(label, block[:count, index], clock, unit, remark)
 
 
 def _segment_starts(whole: Any) -> dict[tuple[int, int], float]:
@@ -140,15 +140,15 @@ def _groups(file: Any) -> Iterator[Parsed]:
             said = channel.properties
             step = float(said.get("wf_increment", 0.0))
             start = float(said.get("wf_start_offset", 0.0)) + start_of[channel.path]
-            own: Any = (start, 1.0 / step if step > 0 else 0.0)
-            if not own[1]:
-                own = next((time for time in times.values() if len(time) == len(values)), own)
+            clock: Any = (start, 1.0 / step if step > 0 else 0.0)
+            if not clock[1]:
+                clock = next((time for time in times.values() if len(time) == len(values)), clock)
             unit = said.get("unit_string") or said.get("NI_UnitDescription") or ""
             remark = "the file was cut short" if cut is not None else ""
             if cut is not None and channel.path in cut:
                 expected = cut[channel.path].expected_length
                 remark = cut_short(expected, len(values)) or remark
-            yield Parsed(before + channel.name, values, own, str(unit), remark)
+            yield Parsed(before + channel.name, values, clock, str(unit), remark)
 
 
 def _starts(given: Sequence[Any]) -> list[float]:

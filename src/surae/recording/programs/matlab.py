@@ -207,8 +207,8 @@ def _signals(
             of_all = _unit_of_all(variables)
             for label, vector, unit in _vectors(variables, name, prefix, seconds):
                 clock = clocks.get(name) or ((start, rate) if rate else alike.get(len(vector)))
-                own = clock or (start, rate)
-                yield from _placed(label, vector, unit or of_all, prefix, seconds, own)
+                timing = clock or (start, rate)
+                yield from _placed(label, vector, unit or of_all, prefix, seconds, timing)
 
 
 def _own_clocks(variables: Mapping[str, Any], shown: str) -> dict[str, tuple[float, float]]:
@@ -217,13 +217,13 @@ def _own_clocks(variables: Mapping[str, Any], shown: str) -> dict[str, tuple[flo
     for name, value in variables.items():
         if not _shape(value):
             continue
-        own = {
+        attributes = {
             key[len(name) + 1 :]: said
             for key, said in variables.items()
             if key.startswith(f"{name}_") and key != name
         }
-        if rate := _rate(own, f"{shown}: {name}: "):
-            clocks[name] = (_start(own), rate)
+        if rate := _rate(attributes, f"{shown}: {name}: "):
+            clocks[name] = (_start(attributes), rate)
     return clocks
 
 

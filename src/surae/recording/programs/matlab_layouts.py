@@ -75,43 +75,45 @@ def beside(variables: Variables, name: str, count: int) -> tuple[list[str], list
 
     Those that begin with the matrix's own name are its own, else what fits alone.
     """
-    found = []
+    both = []
     for ends in (_NAMES, _UNITS):
         fitting = {
             key: each
             for key, value in variables.items()
             if key.casefold().replace("_", "").endswith(ends) and len(each := texts(value)) == count
         }
-        own = [each for key, each in fitting.items() if key.casefold().startswith(name.casefold())]
-        found.append(next(iter(own or fitting.values()), []))
-    return found[0], found[1]
+        prefixed = [
+            each for key, each in fitting.items() if key.casefold().startswith(name.casefold())
+        ]
+        both.append(next(iter(prefixed or fitting.values()), []))
+    return both[0], both[1]
 
 
 def known(variables: Variables, prefix: str, shown: str) -> list[Parsed] | None:
     """The columns of a structure that one of the programs wrote."""
     keys = {key.casefold(): key for key in variables}
-    own = {key: variables[name] for key, name in keys.items()}
+    lowered = {key: variables[name] for key, name in keys.items()}
     for needed, layout in _LAYOUTS:
-        if needed <= own.keys():
+        if needed <= lowered.keys():
             with np.errstate(all="ignore"):
-                columns = list(layout(own, prefix, shown))
+                columns = list(layout(lowered, prefix, shown))
             if columns:
                 return columns
     return None
 
 
-def _labchart(own: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
+def _labchart(variables: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
     """LabChart: all blocks of all channels in one row, from ``datastart`` to ``dataend``."""
-    data = matrix(own["data"])
-    starts, ends, rates = (_table(own[key]) for key in ("datastart", "dataend", "samplerate"))
+    data = matrix(variables["data"])
+    starts, ends, rates = (_table(variables[key]) for key in ("datastart", "dataend", "samplerate"))
     if data is None or starts is None or ends is None or rates is None:
         return
     data = data.ravel()
-    names = texts(own.get("titles"))
-    units = texts(own.get("unittext"))
-    of_unit = _table(own.get("unittextmap"))
-    scale, offset = (_table(own.get(key)) for key in ("scaleunits", "scaleoffset"))
-    counts = own["data"].dtype.kind in "iu" and scale is not None and offset is not None
+    names = texts(variables.get("titles"))
+    units = texts(variables.get("unittext"))
+    of_unit = _table(variables.get("unittextmap"))
+    scale, offset = (_table(variables.get(key)) for key in ("scaleunits", "scaleoffset"))
+    counts = variables["data"].dtype.kind in "iu" and scale is not None and offset is not None
     for channel, block in np.ndindex(*starts.shape):
         first = _at(starts, channel, block)
         last = _at(ends, channel, block)
@@ -133,35 +135,35 @@ def _labchart(own: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
         )
 
 
-def _acqknowledge(own: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
+def _acqknowledge(variables: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
     """AcqKnowledge: a matrix ``data`` and the interval ``isi`` between its samples."""
-    data = matrix(own["data"])
-    isi = number(own["isi"])
+    data = matrix(variables["data"])
+    isi = number(variables["isi"])
     if data is None or (rows := by_channel(data)) is None:
         return
-    seconds = FACTORS["time"].get(spelled("".join(texts(own["isi_units"]))) or "ms", 1e-3)
-    names = texts(own.get("labels"))
-    units = texts(own.get("units"))
+    seconds = FACTORS["time"].get(spelled("".join(texts(variables["isi_units"]))) or "ms", 1e-3)
+    names = texts(variables.get("labels"))
+    units = texts(variables.get("units"))
     rate = 1.0 / (isi * seconds) if isi > 0 else 0.0
     yield from _rows(rows, names, units, _clock(rate, shown), prefix)
 
 
-def _otbiolab(own: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
+def _otbiolab(variables: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
     """OT BioLab: ``Data``, ``Time``, and in ``Description`` each channel's name and unit."""
-    data = matrix(own["data"])
-    names = texts(own["description"])
+    data = matrix(variables["data"])
+    names = texts(variables["description"])
     if data is None or (rows := by_channel(data)) is None:
         return
-    time = None if own.get("time") is None else matrix(own["time"])
-    clock: Any = _clock(number(own.get("samplingfrequency")), shown)
+    time = None if variables.get("time") is None else matrix(variables["time"])
+    clock: Any = _clock(number(variables.get("samplingfrequency")), shown)
     if time is not None and time.ndim == 1 and len(time) == rows.shape[1]:
         clock = time
     yield from _rows(rows, names, [heading_unit(name) or "" for name in names], clock, prefix)
 
 
-def _qualisys(own: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
+def _qualisys(variables: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
     """Qualisys Track Manager: boards of analog channels, each with its rate."""
-    boards = own["analog"] if isinstance(own["analog"], list) else [own["analog"]]
+    boards = variables["analog"] if isinstance(variables["analog"], list) else [variables["analog"]]
     for index, board in enumerate(boards, start=1):
         if not isinstance(board, Mapping) or (data := matrix(board.get("Data"))) is None:
             continue
@@ -174,23 +176,25 @@ def _qualisys(own: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
         yield from _rows(rows, names, texts(board.get("Unit")), clock, before)
 
 
-def _nldat(own: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
+def _nldat(variables: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
     """An object ``nldat``: columns of ``dataSet`` at ``domainStart`` + k ``domainIncr``."""
-    data = matrix(own["dataset"])
-    step = number(own["domainincr"])
+    data = matrix(variables["dataset"])
+    step = number(variables["domainincr"])
     if data is None or (rows := by_channel(data)) is None:
         return
     start, rate = _clock(1.0 / step if step > 0 else 0.0, shown)
-    start += number(own.get("domainstart")) if rate else 0.0
-    names = texts(own.get("channames"))
-    units = texts(own.get("chanunits"))
+    start += number(variables.get("domainstart")) if rate else 0.0
+    names = texts(variables.get("channames"))
+    units = texts(variables.get("chanunits"))
     yield from _rows(rows, names, units, (start, rate), prefix)
 
 
-def _simulink(own: Variables, prefix: str, _: str) -> Iterator[Parsed]:
+def _simulink(variables: Variables, prefix: str, _: str) -> Iterator[Parsed]:
     """Simulink's structure with time: ``signals``, each with ``values`` and a ``label``."""
-    signals = own["signals"] if isinstance(own["signals"], list) else [own["signals"]]
-    time = matrix(own["time"])
+    signals = (
+        variables["signals"] if isinstance(variables["signals"], list) else [variables["signals"]]
+    )
+    time = matrix(variables["time"])
     if time is None or time.ndim != 1:
         return
     for index, signal in enumerate(signals, start=1):
@@ -204,12 +208,12 @@ def _simulink(own: Variables, prefix: str, _: str) -> Iterator[Parsed]:
                 yield Parsed(prefix + name, values, time, time_name=f"{prefix}time")
 
 
-def _importdata(own: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
+def _importdata(variables: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
     """MATLAB's importdata: a matrix under the heads of its columns, of which one may be time."""
-    data = matrix(own["data"])
-    names = texts(own.get("colheaders"))
+    data = matrix(variables["data"])
+    names = texts(variables.get("colheaders"))
     if data is not None and data.ndim == 2 and not names:
-        names = texts(own["textdata"])[-data.shape[1] :]  # the last row of what stood above
+        names = texts(variables["textdata"])[-data.shape[1] :]  # the last row of what stood above
     if data is None or data.ndim != 2 or data.shape[1] != len(names):
         return
     clock = time_column(names, shown)
@@ -222,23 +226,23 @@ def _importdata(own: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
             yield Parsed(prefix + (name or f"column {k + 1}"), data[:, k], time, unit)
 
 
-def _nwb(own: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
+def _nwb(variables: Variables, prefix: str, shown: str) -> Iterator[Parsed]:
     """A time series of NWB: ``data`` times its conversion, from ``starting_time`` or by stamps."""
-    data = matrix(own["data"])
+    data = matrix(variables["data"])
     if data is None:
         return
-    clock: Any = _clock(number(own.get("rate")), shown)
+    clock: Any = _clock(number(variables.get("rate")), shown)
     if clock[1]:
-        clock = (number(own.get("starting_time")), clock[1])
-    stamps = None if own.get("timestamps") is None else matrix(own["timestamps"])
+        clock = (number(variables.get("starting_time")), clock[1])
+    stamps = None if variables.get("timestamps") is None else matrix(variables["timestamps"])
     if stamps is not None and stamps.ndim == 1:
         clock = stamps
     samples = len(stamps) if stamps is not None else max(data.shape)
     if (rows := by_channel(data, samples)) is None:
         return
-    unit = next(iter(texts(own.get("data_unit"))), "")
-    scale = number(own["data_conversion"], 1.0)
-    offset = number(own.get("data_offset"))
+    unit = next(iter(texts(variables.get("data_unit"))), "")
+    scale = number(variables["data_conversion"], 1.0)
+    offset = number(variables.get("data_offset"))
     title = prefix.rstrip(".")
     for k, values in enumerate(rows, start=1):
         name = title if len(rows) == 1 else f"{title}(:,{k})"

@@ -141,8 +141,8 @@ def _column(name: str, channel: _Channel, rate: float) -> Column:
     values: list[float] = []
     for start, step, samples in channel.stretches:
         agrees = rate > 0.0 and abs(rate * step - 1.0) <= _ROUNDED
-        own = 1.0 / rate if agrees else step
-        times.append(start + own * np.arange(len(samples), dtype=np.float64))
+        interval = 1.0 / rate if agrees else step
+        times.append(start + interval * np.arange(len(samples), dtype=np.float64))
         values += samples
     time = freeze(np.concatenate(times))
     stretches = len(channel.stretches)
@@ -160,10 +160,10 @@ def _whole(columns: Mapping[str, Column], announced: int) -> dict[str, Column]:
         return {n: replace(c, remark=f"{said}it was cut short") for n, c in made.items()}
     *others, last = columns
     ends = [float(columns[name].time[-1]) for name in others if len(columns[name].time) >= _FEWEST]
-    own = columns[last].time
-    step = float(own[1] - own[0]) if len(own) >= _FEWEST else 0.0
-    if ends and (len(own) < _FEWEST or own[-1] + 1.5 * step < max(ends)):
-        n = len(own)
+    times = columns[last].time
+    step = float(times[1] - times[0]) if len(times) >= _FEWEST else 0.0
+    if ends and (len(times) < _FEWEST or times[-1] + 1.5 * step < max(ends)):
+        n = len(times)
         said = f"it ends at sample {n}, before the other channels: the file was cut short"
         made[last] = replace(columns[last], remark=said)
     return made

@@ -48,10 +48,10 @@ def open_table(source: Source) -> Table:
     """The columns of an export."""
     source.require_text()
     lines = [line.rstrip("\n") for line in islice(source.lines(), _MOST)]
-    found = _program(lines)
-    if found is None:
+    known = _program(lines)
+    if known is None:
         raise InputError(f"{source.shown}: of none of the programs that are known")
-    program, read = found
+    program, read = known
     try:
         said = read(lines)
     except (ValueError, IndexError, KeyError, TypeError, AttributeError, StopIteration):
@@ -232,13 +232,13 @@ def _opensignals(lines: Sequence[str]) -> _Said:
     about = json.loads(next(line for line in lines if line.startswith("# {"))[2:])
     names: list[str] = []
     for number, device in enumerate(about.values(), start=1):
-        own = [str(name) for name in device["column"]]
+        columns = [str(name) for name in device["column"]]
         labels = [str(label) for label in device.get("label", [])]
         sensors = [str(sensor) for sensor in device.get("sensor", [])]
-        first = len(own) - len(labels)  # counters stand before the channels
+        first = len(columns) - len(labels)  # counters stand before the channels
         for k, (label, sensor) in enumerate(zip(labels, sensors, strict=False)):
-            own[first + k] = f"{sensor} {label}".strip()
-        names += [f"device {number}: {name}" for name in own] if len(about) > 1 else own
+            columns[first + k] = f"{sensor} {label}".strip()
+        names += [f"device {number}: {name}" for name in columns] if len(about) > 1 else columns
     device = next(iter(about.values()))
     above = next(k for k, line in enumerate(lines) if "EndOfHeader" in line) + 1
     return _Said(above, tuple(names), {}, rate_hz=float(device["sampling rate"]))

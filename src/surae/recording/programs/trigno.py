@@ -109,17 +109,17 @@ def columns_of(source: Source, header: int, wanted: Sequence[Signal]) -> dict[st
     spans: dict[Signal, tuple[int, int]] = {}  # first and last row
     for row, cells in _rows(source, header):
         for signal, pair in pairs.items():
-            own = cells[signal.column - 1 : signal.column + 1]
-            if not any(own):
+            pair_cells = cells[signal.column - 1 : signal.column + 1]
+            if not any(pair_cells):
                 continue
             where = f"{source.shown}: column {signal.name!r}, row {row}"
-            if len(own) < 2:
+            if len(pair_cells) < 2:
                 raise InputError(f"{where}: the sample is missing")
             first, last = spans.get(signal, (row, row - 1))
             if last != row - 1:
                 raise InputError(f"{where}: samples follow after blank cells")
             try:
-                for values, cell in zip(pair, own, strict=True):
+                for values, cell in zip(pair, pair_cells, strict=True):
                     values.append(as_number(cell))
             except ValueError as error:
                 raise InputError(f"{where}: {error}") from None

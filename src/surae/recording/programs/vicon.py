@@ -65,12 +65,12 @@ def open_table(source: Source) -> Table:
     def load(wanted: Sequence[str]) -> Mapping[str, Column]:
         loaded: dict[str, Column] = {}
         for section in sections:
-            own = {name: places[name][1] for name in wanted if places[name][0] is section}
-            if own:
-                data = section.rows.load([0, 1, *own.values()])
+            of_section = {name: places[name][1] for name in wanted if places[name][0] is section}
+            if of_section:
+                data = section.rows.load([0, 1, *of_section.values()])
                 time = _times(data[0], data[1], section, source.shown)
                 position = in_row(range(section.row + 2, section.row + 2 + len(time)))
-                for (name, index), values in zip(own.items(), data[2:], strict=True):
+                for (name, index), values in zip(of_section.items(), data[2:], strict=True):
                     why = section.rows.reason(index)
                     loaded[name] = Column(name, time, values, _FRAME[0], position, why)
         return loaded

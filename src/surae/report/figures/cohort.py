@@ -60,11 +60,11 @@ def sessions_figure(
     groups = list(dict.fromkeys(group for group, _ in legs))
     for group, values in legs:
         look = groups.index(group) % len(_COLOURS)
-        names, own = zip(*values, strict=True)
+        names, heights = zip(*values, strict=True)
         at = [sessions.index(name) for name in names]
         axes.plot(
             at,
-            own,
+            heights,
             marker=_MARKERS[look],
             markersize=4,
             linewidth=1.0,

@@ -41,8 +41,8 @@ def _draw_norms(
     _: Words,
 ) -> None:
     """Draw groups where this leg has the same measure, and the leg's own beside them."""
-    told = [(norm, m) for norm in behind if (m := measures.get(norm.measure)) is not None]
-    for number, (norm, m) in enumerate(each for each in told if each[1].basis == "rest"):
+    pairs = [(norm, m) for norm in behind if (m := measures.get(norm.measure)) is not None]
+    for number, (norm, m) in enumerate(each for each in pairs if each[1].basis == "rest"):
         if m.value is None or m.ci95 is None:
             continue
         at = _angle_of(norm.measure) - curve.zero_deg

@@ -36,7 +36,7 @@ def tendon_figure(traces: Traces, state: TendonState) -> Figure:
         optimal = traces.optimal[row]
         muscle = state.muscle_length[row]
         speed = state.muscle_velocity[row]
-        for axes, what, own, rigid in (
+        for axes, what, of_muscle, rigid in (
             (length, "length\n[l0]", muscle, muscle + state.elongation[row]),
             (velocity, "velocity\n[l0/s]", speed, speed + state.tendon_velocity[row]),
         ):
@@ -51,7 +51,7 @@ def tendon_figure(traces: Traces, state: TendonState) -> Figure:
                 linewidth=2.6,
             )
             figures.trace(
-                axes, traces.time, own / optimal, label="muscle", color=BLUE, linewidth=1.0
+                axes, traces.time, of_muscle / optimal, label="muscle", color=BLUE, linewidth=1.0
             )
         figures.heading(length, name)
         figures.legend(velocity, 2)

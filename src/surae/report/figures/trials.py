@@ -50,8 +50,10 @@ def trials_figure(
         figures.heading(axes, name)
         if joint is not None and name in joint.parameters:
             _band(axes, joint.parameters[name])
-        told = {k: found for k, t in enumerate(trials) if (found := fits[t].parameters.get(name))}
-        _mark(axes, told, name not in disputed)
+        estimates = {
+            k: estimate for k, t in enumerate(trials) if (estimate := fits[t].parameters.get(name))
+        }
+        _mark(axes, estimates, name not in disputed)
         axes.tick_params(axis="y", labelsize=7)
         axes.locator_params(axis="x", nbins=4)
         axes.xaxis.get_offset_text().set(fontsize=7, color=MUTED)

@@ -194,7 +194,7 @@ def _parameters(o: Outcomes) -> Table:
                     for v in by_subject.values()
                     if len(v) > 1 and fmean(v)
                 ]
-                told = verdicts[name]
+                judged = verdicts[name]
                 rows.append(
                     (
                         way,
@@ -203,8 +203,8 @@ def _parameters(o: Outcomes) -> Table:
                         _of((fmean(v) for v in by_subject.values()), median),
                         _of(repeat, median),
                         _of(ratios.get(name, ()), median),
-                        _of((100.0 * (v == "identified") for v in told), fmean),
-                        _of((100.0 * (v == "at-bound") for v in told), fmean),
+                        _of((100.0 * (v == "identified") for v in judged), fmean),
+                        _of((100.0 * (v == "at-bound") for v in judged), fmean),
                     )
                 )
     columns = (

@@ -141,16 +141,16 @@ def command(
     engine = api.engine_of(cores.dask, cores.workers)
     make_folder(Path(places.output))
     check_outputs({"--store": places.store}, [])
-    found = files.find_trials(recordings, mapping, name)
+    trials = files.find_trials(recordings, mapping, name)
     read = {"mapping": mapping, "corrections": json.dumps(corrections, sort_keys=True)}
     place = check_place(places.fits)
     only, sessions = fits.only or "", fits.sessions
     wanted = {} if only == "spectra" else settings
-    batch = plan.Batch(found, wanted, read, place=place, sessions=sessions, only=only)
-    subjects, protocols = ({getattr(t, of) for t in found} for of in ("subject", "protocol"))
-    count = len(subjects if sessions else found) * len(batch.settings)
+    batch = plan.Batch(trials, wanted, read, place=place, sessions=sessions, only=only)
+    subjects, protocols = ({getattr(t, of) for t in trials} for of in ("subject", "protocol"))
+    count = len(subjects if sessions else trials) * len(batch.settings)
     show_line(
-        f"{len(found)} recordings of {len(subjects)} subjects, protocols: "
+        f"{len(trials)} recordings of {len(subjects)} subjects, protocols: "
         f"{', '.join(sorted(protocols))}; {count} {'sessions' if sessions else 'fits'}"
     )
     begin = time.perf_counter()

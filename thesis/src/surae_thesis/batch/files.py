@@ -55,20 +55,20 @@ def find_trials(
         There is none, a name does not say whose it is, or two files are the same repetition.
     """
     description = None if mapping is None else description_of(mapping)
-    found: dict[tuple[str, str, int], NamedTrial] = {}
+    by_key: dict[tuple[str, str, int], NamedTrial] = {}
     for label, path in _labelled(sources, lambda at: trial_files([at], description)):
         trial = NamedTrial(*_read(label, pattern), str(path))
         key = (trial.subject, trial.protocol, trial.repetition)
-        if key in found:
+        if key in by_key:
             raise InputError(
-                f"{shown(found[key].path)} and {shown(path)} are both {trial.name!r}; rename one, "
+                f"{shown(by_key[key].path)} and {shown(path)} are both {trial.name!r}; rename one, "
                 "or say by --name where subject, protocol and repetition stand"
             )
-        found[key] = trial
-    if not found:
+        by_key[key] = trial
+    if not by_key:
         raise InputError(f"{', '.join(map(shown, sources))}: no recording is there")
-    every = sorted(found, key=lambda key: (*map(natural_order, key[:2]), key[2]))
-    return tuple(found[key] for key in every)
+    every = sorted(by_key, key=lambda key: (*map(natural_order, key[:2]), key[2]))
+    return tuple(by_key[key] for key in every)
 
 
 def _labelled(
@@ -112,12 +112,12 @@ def _matched(label: str, pattern: str) -> tuple[str, str, int]:
         shape = r"\d+" if place == "repetition" else r"[^/]+?"
         expected = expected.replace(re.escape(f"{{{place}}}"), f"(?P<{place}>{shape})", 1)
     named = re.fullmatch(expected, label)
-    if named is None or "subject" not in (found := named.groupdict()):
+    if named is None or "subject" not in (parts := named.groupdict()):
         raise InputError(
             f"{label!r} is not as --name {pattern!r} says; write it with {{subject}}, {{protocol}} "
             "and {repetition} where these stand in the path from the folder, without the ending"
         )
-    return found["subject"], found.get("protocol", "trial"), int(found.get("repetition", 1))
+    return parts["subject"], parts.get("protocol", "trial"), int(parts.get("repetition", 1))
 
 
 def content_of(path: PathLike, mapping: PathLike | None) -> str:

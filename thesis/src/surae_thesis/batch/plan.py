@@ -44,7 +44,7 @@ class Batch:
         """Look up once what every call asks."""
         for trial in self.trials:
             self._of.setdefault(trial.subject, []).append(trial)
-        self._plain.update({way: to_plain(own) for way, own in self.settings.items()})
+        self._plain.update({way: to_plain(settings) for way, settings in self.settings.items()})
 
     def where(self, trial: NamedTrial) -> Where:
         """How a recording is read."""
@@ -98,8 +98,8 @@ class Batch:
         if label["kind"] == "session":
             each = [self.where(trial) for trial in self._of[label["subject"]]]
             return "session_job", {"name": label["subject"], "each": each, "settings": settings}
-        own = [] if self.only else self._of[label["subject"]]
-        others = {t.name: self.where(t) for t in own if t.path != label["path"]}
+        of_subject = [] if self.only else self._of[label["subject"]]
+        others = {t.name: self.where(t) for t in of_subject if t.path != label["path"]}
         return "fit_job", {"where": where, "settings": settings, "others": others}
 
     def paths(self, keywords: Plain) -> list[str]:

@@ -202,8 +202,8 @@ def simulation_job(*, where: Where, settings: Plain, leg: int) -> Plain:
     effort = inputs.emg / np.maximum(np.quantile(inputs.emg, _LARGEST, axis=0), 1e-300)
     spec = get_model(chosen.model)
     drawn = thesis_leg(_LEGS + leg, tendons=True)
-    own = {name: value for name, value in drawn.tendons.items() if name in spec.free}
-    subject = replace(drawn, tendons=own)
+    tendons = {name: value for name, value in drawn.tendons.items() if name in spec.free}
+    subject = replace(drawn, tendons=tendons)
     emg = np.minimum(effort, 1.0) * _FULL
     torque = surae.simulate(chosen.model, subject.truth(chosen.model), replace(inputs, emg=emg))
     noisy, _ = with_noise(replace(inputs, emg=emg, torque=torque), [subject.seed, leg])

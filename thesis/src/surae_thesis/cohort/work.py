@@ -238,8 +238,8 @@ def baseline_job(*, seed: int, protocol: str, model: str, subjects: int) -> dict
     for number in range(1, subjects + 1):
         drawn = thesis_leg(1_000_000 * seed + number, tendons=True)
         # A tendon of the subject's own only where it is estimated.
-        own = {name: value for name, value in drawn.tendons.items() if name in spec.free}
-        inputs, _ = thesis_trial(replace(drawn, tendons=own), trajectory, MODELS[model], 1)
+        tendons = {name: value for name, value in drawn.tendons.items() if name in spec.free}
+        inputs, _ = thesis_trial(replace(drawn, tendons=tendons), trajectory, MODELS[model], 1)
         for name, sem in (fit_trial(inputs, MODELS[model], 2, seed) or {"sem": {}})["sem"].items():
             errors.setdefault(name, []).append(sem)
     return {name: float(np.mean(several)) for name, several in errors.items()}

@@ -187,7 +187,7 @@ class Watch:
         """The alarms that are new; `targets` are the four efforts asked for at our `now`."""
         with self._lock:
             windows = {role: s.window(now) for role, s in self._signals.items()}
-        found = [
+        alarms = [
             alarm
             for role, window in windows.items()
             if window is not None
@@ -195,8 +195,8 @@ class Watch:
         ]
         self._targets.append(targets)
         self._efforts.append({m: self._effort(m) for m in MUSCLES})
-        found += self._wrong_effort({alarm.role for alarm in found})
-        now_wrong = {(alarm.code, alarm.role): alarm for alarm in found}
+        alarms += self._wrong_effort({alarm.role for alarm in alarms})
+        now_wrong = {(alarm.code, alarm.role): alarm for alarm in alarms}
         fresh = []
         for key, alarm in now_wrong.items():
             self._seen[key] = self._seen.get(key, 0) + 1

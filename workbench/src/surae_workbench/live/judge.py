@@ -282,8 +282,8 @@ def _listed(reasons: Sequence[str]) -> Message:
 
 def of_leg(measures: Mapping[str, "Measure"], _: "Words") -> list[str]:
     """What is known of a leg, stiffness first, and what is not, in sentences."""
-    told = [m for name in _HEADLINES if (m := measures.get(name)) is not None]
-    known = [m for m in told if str(m.verdict) in ("identified", "weak")]
+    headlines = [m for name in _HEADLINES if (m := measures.get(name)) is not None]
+    known = [m for m in headlines if str(m.verdict) in ("identified", "weak")]
     sentences = []
     for m in known:
         assert m.value is not None
@@ -294,7 +294,7 @@ def of_leg(measures: Mapping[str, "Measure"], _: "Words") -> list[str]:
             f"{_.measure(m.name)}: {_.number(text.value)} {unit} "
             f"(95 %: {_.number(text.interval)}{weak})."
         )
-    unknown = [_.measure(m.name) for m in told if m not in known]
+    unknown = [_.measure(m.name) for m in headlines if m not in known]
     lower = [text if _.language == "de" else text[:1].lower() + text[1:] for text in unknown]
     return [*sentences, *([_("Still unknown: {what}.", what="; ".join(lower))] if lower else [])]
 

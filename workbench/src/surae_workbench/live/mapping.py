@@ -145,9 +145,11 @@ def chosen_text(
 
 def _unit(role: str, said: str, chosen: str | None) -> dict[str, Any]:
     """A channel's unit in a mapping: the stream's own where it is one of the signal's."""
-    own = stated(said)
-    if own is not None and own.kind == kind(role) and own.unit and not own.per_kg:
-        return {"unit": own.unit} if own.scale == 1.0 else {"unit": own.unit, "scale": own.scale}
+    unit = stated(said)
+    if unit is not None and unit.kind == kind(role) and unit.unit and not unit.per_kg:
+        return (
+            {"unit": unit.unit} if unit.scale == 1.0 else {"unit": unit.unit, "scale": unit.scale}
+        )
     if chosen not in FACTORS[kind(role)]:
         known = ", ".join(FACTORS[kind(role)])
         raise InputError(f"{role}: its stream states no unit; choose one of: {known}")

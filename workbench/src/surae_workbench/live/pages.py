@@ -177,8 +177,8 @@ class ServedRoom:
         ``bad`` names the newest judged trial in which one of its signals has an error.
         """
         trials = self.room.trials
-        own = (s for s in list(trials.recorder.streams.values()) if s.called == name)
-        columns = [column for stream in own for column in stream.columns]
+        streams = (s for s in list(trials.recorder.streams.values()) if s.called == name)
+        columns = [column for stream in streams for column in stream.columns]
         used = self.room.roles
         roles = [used[column][0] for column in columns if column in used]
         judged = [t for t in trials.trials.values() if t.state == "judged" and not t.is_unread]

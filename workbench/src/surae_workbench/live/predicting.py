@@ -82,10 +82,10 @@ def predict_stream(
         There is no such stream, a channel is missing, or its rate is another.
     """
     pylsl = lsl()
-    found = pylsl.resolve_byprop("name", name, timeout=_PATIENCE_S)
-    if not found:
+    streams = pylsl.resolve_byprop("name", name, timeout=_PATIENCE_S)
+    if not streams:
         raise InputError(f"no stream {name!r} within {_PATIENCE_S:g} s; start what sends it")
-    inlet = pylsl.StreamInlet(found[0], max_buflen=60)
+    inlet = pylsl.StreamInlet(streams[0], max_buflen=60)
     at = _channels(inlet.info(), predictor, name)
     sender = outlet(STREAM, "torque", ["torque", "sd"], ["Nm", "Nm"], predictor.rate_hz, STREAM)
     offset = float(inlet.time_correction(timeout=_PATIENCE_S))

@@ -219,8 +219,10 @@ class Room:
         known = of_muscles and self.trials.session.get("parameters")
         fit = self.trials.file("joint.json") if known else None
         arguments = {"protocol": str(self._file), "fit": None if fit is None else str(fit)}
-        told: list[str] = self._expects.call("surae_workbench.live.judge:tells", arguments).result()
-        return told
+        sentences: list[str] = self._expects.call(
+            "surae_workbench.live.judge:tells", arguments
+        ).result()
+        return sentences
 
     @property
     def _file(self) -> Path:

@@ -190,8 +190,8 @@ def _cleaned_xml(text: str) -> str:
     if len(text) > _XML or "<!" in text:
         return ""
 
-    def clean(found: re.Match[str]) -> str:
-        name, said = found.groups()
+    def clean(match: re.Match[str]) -> str:
+        name, said = match.groups()
         plain = _NUMBERED.sub(_letter, unescape(said, {"&quot;": '"', "&apos;": "'"}))
         kept = cleaned(plain, _NAME if name in ("name", "type", "label", "unit") else _TEXT)
         kept = kept or (_NAMELESS if name == "name" and said else "")
@@ -205,7 +205,7 @@ def _cleaned_xml(text: str) -> str:
     return made
 
 
-def _letter(found: re.Match[str]) -> str:
-    digits = found[1]
+def _letter(match: re.Match[str]) -> str:
+    digits = match[1]
     number = int(digits[1:], 16) if digits[0] == "x" else int(digits)
     return chr(number) if number < 0x110000 else "?"

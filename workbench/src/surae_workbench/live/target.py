@@ -38,11 +38,13 @@ class _Plan:
         if self.trajectory is None:
             return wanted
         path = self.trajectory
-        own = times - self.begin if self.begin is not None else np.zeros(len(times))
-        wanted[:, 0] = np.interp(own, path.time, path.angle)
+        since = times - self.begin if self.begin is not None else np.zeros(len(times))
+        wanted[:, 0] = np.interp(since, path.time, path.angle)
         if self.begin is not None:
             for i in range(len(MUSCLES)):
-                wanted[:, 1 + i] = np.interp(own, path.time, path.effort[:, i], left=0.0, right=0.0)
+                wanted[:, 1 + i] = np.interp(
+                    since, path.time, path.effort[:, i], left=0.0, right=0.0
+                )
         return wanted
 
 

@@ -292,7 +292,7 @@ class Trials:
         """The session's mapping, or the one that the streams' own names make; None: neither."""
         if self._mapping is not None:
             return self._mapping
-        own = self.folder / "mapping.toml"
+        made_here = self.folder / "mapping.toml"
         text, twice = mapping_of(list(self.recorder.streams.values()))
         if self.running is None and twice:  # what is there is of one of them
             return None
@@ -301,7 +301,7 @@ class Trials:
                 write_atomic(self.file("mapping.toml"), text)
                 self._made = text
                 self._judge_unread()
-        return own if own.exists() else None
+        return made_here if made_here.exists() else None
 
     @property
     def doubts(self) -> list[tuple[str, dict[str, str]]]:
@@ -440,8 +440,8 @@ class Trials:
 
     def _efforts(self, numbers: Iterable[int]) -> dict[str, str]:
         """The efforts that were asked for and made, by the name of the recording."""
-        told = {n: self.trials[n].confirmed_effort for n in numbers}
-        return {self.path(n, "").stem: effort for n, effort in told.items() if effort}
+        confirmed = {n: self.trials[n].confirmed_effort for n in numbers}
+        return {self.path(n, "").stem: effort for n, effort in confirmed.items() if effort}
 
     def _ask_together(self) -> None:
         """Have all trials fitted together, after a fit that is at work."""
@@ -527,8 +527,8 @@ class Trials:
     def _numbers(self, kind: str) -> list[int]:
         """The numbers that files of a kind in the folder have, in order."""
         form = re.compile(rf"{kind}-([0-9]{{2,9}})(?![0-9])")
-        found = (form.match(path.name) for path in self.folder.iterdir())
-        return sorted({int(match[1]) for match in found if match})
+        matches = (form.match(path.name) for path in self.folder.iterdir())
+        return sorted({int(match[1]) for match in matches if match})
 
     def _free(self) -> int:
         """The number of the next trial: no file in the folder has it, and no trial."""
@@ -561,8 +561,8 @@ def _refuse_shared(folder: Path) -> None:
     for path in folder.iterdir():
         ours = re.match(_OURS, path.name)
         state = path.lstat()
-        own = stat.S_ISREG(state.st_mode) and state.st_nlink == 1
-        if is_link(path) or (ours and not own):
+        single = stat.S_ISREG(state.st_mode) and state.st_nlink == 1
+        if is_link(path) or (ours and not single):
             raise InputError(
                 f"{shown(path)} is no file of its own: it leads elsewhere, or others share it; put "
                 "the file itself there, or give another --output"

@@ -104,8 +104,8 @@ class Database:
             self._reading = self._writing  # there is one connection
         else:
             self._open(path)
-        own = self.row("SELECT id FROM thing WHERE kind = 'project'")
-        self._project = "" if own is None else str(own[0])
+        project = self.row("SELECT id FROM thing WHERE kind = 'project'")
+        self._project = "" if project is None else str(project[0])
         for row in self.rows(f"{_COLUMNS} ORDER BY created, id"):
             self._keep(*row)
 
@@ -258,11 +258,11 @@ class Database:
 
     def _keep_again(self, kind: str, id_: object) -> None:
         """Read a row that was written, or whose change was taken back."""
-        found = self._file.execute(f"{_COLUMNS} WHERE id = ? AND kind = ?", (id_, kind)).fetchone()
-        if found is None:
+        row = self._file.execute(f"{_COLUMNS} WHERE id = ? AND kind = ?", (id_, kind)).fetchone()
+        if row is None:
             self._kept.get(kind, {}).pop(id_, None)
         else:
-            self._keep(*found)
+            self._keep(*row)
 
 
 def refuse_damage(file: sqlite3.Connection, name: str) -> None:

@@ -156,8 +156,10 @@ def settings_of(draft: Draft, recordings: Sequence[str]) -> api.FitSettings:
         return settings
     shared = settings.weights if isinstance(settings.weights, api.Weighting) else api.Weighting()
     each = tuple(
-        replace(shared, windows=(*shared.windows, *((float(a), float(b), 0.0) for a, b in own)))
-        for own in spans
+        replace(
+            shared, windows=(*shared.windows, *((float(a), float(b), 0.0) for a, b in of_recording))
+        )
+        for of_recording in spans
     )
     return replace(settings, weights=each[0] if len(each) == 1 else each)
 
@@ -199,12 +201,12 @@ def parameter_table(
         default = _defaults(p, name in spec.free)
         if name in prescribed:
             default |= {"free": False, "value": prescribed[name]}
-        own = {key: changed[key] for key in default if changed.get(key) is not None}
+        given = {key: changed[key] for key in default if changed.get(key) is not None}
         rows.append(
             {
                 **described(p, name in spec.free),
                 **default,
-                **own,
+                **given,
                 "prior": changed.get("prior") or priors.get(name),
                 "default": default,
                 "slider": now[name],

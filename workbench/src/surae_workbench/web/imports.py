@@ -226,13 +226,13 @@ def _of_mapping(name: str, ids: Mapping[str, str]) -> dict[str, Any]:
         )
     channels = {}
     missing = []
-    for role, own in mapped.channels.items():
-        if own.file is None or file_name(own.file) not in ids:
-            missing.append(str(own.file))
+    for role, described in mapped.channels.items():
+        if described.file is None or file_name(described.file) not in ids:
+            missing.append(str(described.file))
             continue
-        kept = {key: getattr(own, key) for key in KEPT}
-        clock = {key: to_plain(at) for key in CLOCK if (at := getattr(own, key)) is not None}
-        channels[role] = {"upload": ids[file_name(own.file)], **kept, **clock}
+        kept = {key: getattr(described, key) for key in KEPT}
+        clock = {key: to_plain(at) for key in CLOCK if (at := getattr(described, key)) is not None}
+        channels[role] = {"upload": ids[file_name(described.file)], **kept, **clock}
     mapping = {
         "name": mapped.name or Path(name).stem,
         "emg": mapped.emg,
@@ -284,8 +284,8 @@ def _zeros(
         Path(_MAPPING).write_text(_toml(every, names), encoding="utf-8")
         return float(api.read(_MAPPING).channels[role].values[0])
 
-    for role, own in described.items():
-        zero = own.zero
+    for role, channel in described.items():
+        zero = channel.zero
         if zero is None:
             continue
         if isinstance(zero, str) and (zero := file_name(zero)) not in names.values():
@@ -370,18 +370,18 @@ def _toml(mapping: Mapping[str, Any], names: Mapping[str, str]) -> str:
         if channel["upload"] not in names:
             raise InputError(f"channels.{role}: its file is not among the uploads; upload it")
         left = "offset" if channel.get("zero") is not None else "zero"
-        own: dict[str, Any] = {"file": names[channel["upload"]]}
+        entry: dict[str, Any] = {"file": names[channel["upload"]]}
         for key in kept:
             if key != left and (at := channel.get(key)) is not None:
-                own[key] = _given(at) if isinstance(at, Mapping) else at
-        described[role] = own
+                entry[key] = _given(at) if isinstance(at, Mapping) else at
+        described[role] = entry
     keys = ("name", "emg", "side", "fixed", "prepare", "open")
     whole = {key: mapping.get(key) for key in keys}
     for key in ("time", "trial"):  # TOML has no word for what is not there
-        if own := {
+        if entry := {
             name: each for name, each in (mapping.get(key) or {}).items() if each is not None
         }:
-            whole[key] = own
+            whole[key] = entry
     return api.toml_text(
         {**{key: value for key, value in whole.items() if value is not None}, "channels": described}
     )

@@ -246,10 +246,10 @@ class Project:
         row = self.database.row("SELECT id FROM thing WHERE kind = 'project'")
         if row is None and self.unkept:
             return new_id()
-        own = self.database.add("project", {}, new_id()) if row is None else str(row[0])
-        if not ID.fullmatch(own):
+        id_ = self.database.add("project", {}, new_id()) if row is None else str(row[0])
+        if not ID.fullmatch(id_):
             raise InputError("its own id is damaged; restore a backup")
-        return own
+        return id_
 
     def _tidy(self) -> None:
         """Set aside what was deleted, or uploaded, long ago; empty the trash of what is as old.

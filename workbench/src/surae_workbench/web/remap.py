@@ -109,8 +109,8 @@ def described_anew(
         )
         times = _times(measured.time, new)
         known = "1" if unit == "1" else SI[kind(role)]
-        told = f"{measured.source.partition(' (')[0]} ({_told(new, unit)})"
-        channels[role] = api.Channel(role, times, read_only(values), known, told)
+        origin = f"{measured.source.partition(' (')[0]} ({_told(new, unit)})"
+        channels[role] = api.Channel(role, times, read_only(values), known, origin)
     return replace(
         recording,
         channels=channels,
@@ -174,9 +174,9 @@ def imported_columns(path: str, first: Mapping[str, Any]) -> list[dict[str, Any]
     return columns
 
 
-def like(wanted: Mapping[str, Any], own: Mapping[str, Any], name: str) -> dict[str, Any]:
+def like(wanted: Mapping[str, Any], described: Mapping[str, Any], name: str) -> dict[str, Any]:
     """The description of another recording of the session, changed in the same way."""
-    columns = {channel["column"]: channel for channel in own["channels"].values()}
+    columns = {channel["column"]: channel for channel in described["channels"].values()}
     channels = {}
     for role, channel in wanted["channels"].items():
         if channel["column"] not in columns:
@@ -184,7 +184,7 @@ def like(wanted: Mapping[str, Any], own: Mapping[str, Any], name: str) -> dict[s
         same = columns[channel["column"]]  # each film begins at a time of its own
         channels[role] = channel | {key: same.get(key) for key in ("upload", *CLOCK)}
     return {
-        **own,
+        **described,
         "channels": channels,
         "emg": wanted["emg"],
         "fixed": wanted["fixed"],

@@ -173,10 +173,10 @@ def request_of(kind: Any, *without: str, defaults: bool = False, **others: Any) 
     for each, record in settings_of(kind):
         if each.name not in without:
             of_key = others.get(each.name) or limited(each.type, record)
-            own = default_of(each)
-            if own == () and kind_of(each) == "names":
-                own = []  # what it is in JSON
-            keys[each.name] = (of_key, own) if defaults else (of_key | None, None)
+            usual = default_of(each)
+            if usual == () and kind_of(each) == "names":
+                usual = []  # what it is in JSON
+            keys[each.name] = (of_key, usual) if defaults else (of_key | None, None)
     return create_model(kind.__name__, __base__=Strict, __doc__=f"See `{kind.__name__}`.", **keys)
 
 

@@ -104,8 +104,8 @@ def session(task: Task) -> dict[str, Any]:
     with _compiling():
         result = leg.run(None, settings, progress=progress, workers=None)
     fitted_at = time.monotonic()
-    own = str(task.get("language", "en"))
-    answers = dict(result.answers(language=own)) if result.fits or result.joint else {}
+    language = str(task.get("language", "en"))
+    answers = dict(result.answers(language=language)) if result.fits or result.joint else {}
     news = {"what": N_("drawing the page"), "lines": lines, "answers": answers}
     tell({**news, "done": 0, "total": len(LANGUAGES)})
     fits = {**result.fits, **({} if result.joint is None else {"joint": result.joint})}
@@ -149,15 +149,15 @@ def summary(fitted: "api.Fit", *, measured: bool = True) -> dict[str, Any]:
     }
 
 
-def _estimate(told: "api.Measure | api.ParameterEstimate", sem: float | None) -> dict[str, Any]:
+def _estimate(known: "api.Measure | api.ParameterEstimate", sem: float | None) -> dict[str, Any]:
     """A measure or parameter as tables show it."""
-    low, high = told.ci95 or (None, None)
+    low, high = known.ci95 or (None, None)
     return {
-        "value": told.value,
+        "value": known.value,
         "sem": sem,
         "low": low,
         "high": high,
-        "verdict": str(told.verdict),
+        "verdict": str(known.verdict),
     }
 
 

@@ -126,7 +126,7 @@ def _checked(root: Path, file: sqlite3.Connection, progress: Progress | None) ->
     whole = 0
     with sqlite_errors(DATABASE, FORMAT):
         rows = file.execute("SELECT kind, id, created, data, deleted FROM thing").fetchall()
-    own = next((str(id_) for kind, id_, *_ in rows if kind == "project"), "")
+    project = next((str(id_) for kind, id_, *_ in rows if kind == "project"), "")
     for number, (kind, id_, created, text, deleted) in enumerate(rows):
         if progress is not None:
             progress(number, len(rows))
@@ -134,7 +134,7 @@ def _checked(root: Path, file: sqlite3.Connection, progress: Progress | None) ->
             continue
         name = f"{kind} {shown(str(id_))[:40]}"
         try:
-            paths = list(_paths(root, kind, entry(kind, id_, created, text, own)))
+            paths = list(_paths(root, kind, entry(kind, id_, created, text, project)))
         except (ValueError, SuraeError) as error:
             problems.append(f"{name} is damaged: {error}")
             continue

@@ -70,10 +70,10 @@ def get_cohort_csv(bench: Bench, which: Which = "legs") -> Response:
 
 def _columns(rows: list[dict[str, Any]]) -> list[api.Parameter]:
     """The parameters that some row has, in the order of the models."""
-    found = {name for row in rows for name in row["parameters"]}
+    names = {name for row in rows for name in row["parameters"]}
     known = [p for spec in api.MODELS.values() for p in spec.parameters]
     by_name = {p.name: p for p in (*known, *api.OPTIONAL_PARAMETERS)}
-    return [p for name, p in by_name.items() if name in found]
+    return [p for name, p in by_name.items() if name in names]
 
 
 def _rows(bench: Workbench, which: str) -> list[dict[str, Any]]:

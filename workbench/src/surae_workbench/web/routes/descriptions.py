@@ -70,8 +70,10 @@ def post_description(body: DescriptionRequest, bench: Bench, browser: Browser) -
     paths = []
     try:
         for row in rows:
-            own = row is rows[0]
-            wanted = wanted_first if own else like(wanted_first, present_mapping(row), row["name"])
+            first = row is rows[0]
+            wanted = (
+                wanted_first if first else like(wanted_first, present_mapping(row), row["name"])
+            )
             number = bench.sessions.next_version(row["id"])
             path = bench.project.path("recordings", row["id"], recording_suffix(number))
             paths.append(path)

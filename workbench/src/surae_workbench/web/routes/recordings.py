@@ -74,17 +74,17 @@ offer_deletion(router, "/subjects/{id}", "subject")
 
 
 def _refuse_twice(
-    bench: Workbench, kind: str, key: str, value: str | None, own: str | None
+    bench: Workbench, kind: str, key: str, value: str | None, except_id: str | None
 ) -> None:
     """Refuse a name, or a code, that another entry has."""
-    if any(row[key] == value and row["id"] != own for row in bench.database.all(kind)):
+    if any(row[key] == value and row["id"] != except_id for row in bench.database.all(kind)):
         raise RefusedError(409, f"there is a {kind} {value!r} already; give another {key}")
 
 
 def _subject(bench: Workbench, subject: Entry) -> Subject:
-    own = {r["id"] for r in bench.database.all("recording") if r["subject"] == subject["id"]}
-    fits = sum(fit["recordings"][0] in own for fit in bench.database.all("fit"))
-    return Subject(**dated(subject, recordings=len(own), fits=fits))
+    recordings = {r["id"] for r in bench.database.all("recording") if r["subject"] == subject["id"]}
+    fits = sum(fit["recordings"][0] in recordings for fit in bench.database.all("fit"))
+    return Subject(**dated(subject, recordings=len(recordings), fits=fits))
 
 
 @router.get("/recordings")
@@ -190,9 +190,9 @@ def get_window(
 @router.get("/nerve")
 def get_nerve(recordings: Several, by: By, bench: Bench, request: Request) -> dict[str, str]:
     """How much is nerve in recordings of one leg, as the report shows it."""
-    own = _of_one(bench, recordings)
+    chosen = _of_one(bench, recordings)
     language = language_of(request)
-    return {"html": bench.workers.ask("tasks:nerve", recordings=own, by=by, language=language)}
+    return {"html": bench.workers.ask("tasks:nerve", recordings=chosen, by=by, language=language)}
 
 
 @router.get("/nerve/report.{kind}", response_class=Response, responses=REPORT)
@@ -200,12 +200,12 @@ def get_nerve_report(
     kind: Literal["html", "pdf"], recordings: Several, by: By, bench: Bench, request: Request
 ) -> Response:
     """The same as one file to keep."""
-    own = _of_one(bench, recordings)
+    chosen = _of_one(bench, recordings)
     language = language_of(request)
-    write = partial(bench.workers.ask, "tasks:nerve", recordings=own, by=by, language=language)
+    write = partial(bench.workers.ask, "tasks:nerve", recordings=chosen, by=by, language=language)
     data = made_file(f"nerve.{kind}", lambda path: write(output=str(path)))
     return Response(
-        data, media_type=TYPES[kind], headers=attachment(f"{by}-{next(iter(own))}", f".{kind}")
+        data, media_type=TYPES[kind], headers=attachment(f"{by}-{next(iter(chosen))}", f".{kind}")
     )
 
 

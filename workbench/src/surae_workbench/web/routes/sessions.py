@@ -87,16 +87,16 @@ def get_sessions(bench: Bench) -> dict[str, list[Leg]]:
 @router.get("/{id}")
 def get_session(id: PathId, bench: Bench) -> dict[str, Any]:
     """The fit that stands for it, with which others it can be compared, and whether PDFs are."""
-    own = session_summary(bench, bench.project.need("session", id))
+    summary = session_summary(bench, bench.project.need("session", id))
     others = [session_summary(bench, each) for each in bench.database.all("session")]
-    visits = [each for each in others if each.id != own.id and each.fit and own.fit]
+    visits = [each for each in others if each.id != summary.id and each.fit and summary.fit]
 
     def near(other: Leg) -> tuple[bool, bool, str]:
         """Visits of this leg come first, then those of the other one."""
-        return other.subject == own.subject, other.side == own.side, other.visit
+        return other.subject == summary.subject, other.side == summary.side, other.visit
 
     return {
-        "summary": own,
+        "summary": summary,
         "visits": sorted(visits, key=near, reverse=True),
         "paper": api.has_typst(),
     }
@@ -114,16 +114,16 @@ def patch_session(id: PathId, body: LegPatch, bench: Bench) -> Leg:
         raise RefusedError(400, "a visit is not compared with itself; choose another")
     labels = {"subject", "side", "visit"}
     of_trials: dict[str, Any] = {k: v for k, v in changes.items() if k in labels}
-    own: dict[str, Any] = {k: v for k, v in changes.items() if k not in labels}
-    if own.get("name", "") is None:
-        del own["name"]
-    if "name" in own:
+    of_session: dict[str, Any] = {k: v for k, v in changes.items() if k not in labels}
+    if of_session.get("name", "") is None:
+        del of_session["name"]
+    if "name" in of_session:
         rows = (each for each in bench.database.all("session") if each["id"] != id)
-        own["name"] = unique_name(rows, own["name"], 120)
+        of_session["name"] = unique_name(rows, of_session["name"], 120)
     with bench.database.transaction():
         for recording in row["recordings"] if of_trials else ():
             bench.database.update("recording", recording, of_trials)
-        row = bench.project.change("session", id, **own)
+        row = bench.project.change("session", id, **of_session)
     for what in ("sessions", "recordings") if of_trials else ("sessions",):
         bench.events.changed(what)
     return session_summary(bench, row)
@@ -159,8 +159,8 @@ def get_report(
     blocks = bench.project.kept("session", id)
     if not blocks.is_file():
         raise RefusedError(404, "the report of this leg is missing; analyse it again")
-    own = session_summary(bench, row)
-    called = " ".join(dict.fromkeys((*own.name.split(", "), own.visit, language)))
+    summary = session_summary(bench, row)
+    called = " ".join(dict.fromkeys((*summary.name.split(", "), summary.visit, language)))
     return report_file(
         bench,
         {**row, "name": called},
@@ -169,9 +169,9 @@ def get_report(
         blocks=str(blocks),
         language=language,
         comparison=comparison(bench, row),
-        name=own.name,
-        side=own.side or "",
-        day=own.visit,
+        name=summary.name,
+        side=summary.side or "",
+        day=summary.visit,
     )
 
 
@@ -180,12 +180,12 @@ def comparison(bench: Workbench, row: Entry) -> str:
 
     Its visits and those of the person's other leg are shown beside both that are compared.
     """
-    own = session_summary(bench, row)
+    after = session_summary(bench, row)
     before = str(row.get("before"))
     known = {each["id"]: session_summary(bench, each) for each in bench.database.all("session")}
-    if own.fit is None or before not in known or known[before].fit is None:
+    if after.fit is None or before not in known or known[before].fit is None:
         return ""
-    if unknown := [each.name for each in (known[before], own) if not each.visit]:
+    if unknown := [each.name for each in (known[before], after) if not each.visit]:
         raise RefusedError(
             400,
             f"on which day was {' and '.join(unknown)} measured? Say it under Edit on its page: a "
@@ -194,9 +194,9 @@ def comparison(bench: Workbench, row: Entry) -> str:
     alike = [
         each
         for each in known.values()
-        if each.fit and each.visit and own.subject is not None and each.subject == own.subject
+        if each.fit and each.visit and after.subject is not None and each.subject == after.subject
     ]
-    shown = {each.id: each for each in (known[before], own, *alike[-_VISITS:])}
+    shown = {each.id: each for each in (known[before], after, *alike[-_VISITS:])}
     visits = sorted(shown.values(), key=lambda each: (each.visit, each.name))
     ids = [each.id for each in visits]
     return json.dumps(
@@ -212,7 +212,7 @@ def comparison(bench: Workbench, row: Entry) -> str:
             ],
             "question": [row["question"]] if row.get("question") else [],
             "before": ids.index(before),
-            "after": ids.index(own.id),
+            "after": ids.index(after.id),
         }
     )
 
@@ -227,11 +227,11 @@ def sorted_as(
         efforts={rows[id_]["name"]: effort for id_, effort in efforts.items() if id_ in rows},
     )
     trials = {trial.name: trial for trial in leg.trials}
-    told = []
+    trials_said = []
     for id_, row in rows.items():
         trial = trials[row["name"]]
         what, use = api.trial_words(trial)
-        told.append(
+        trials_said.append(
             {
                 "recording": id_,
                 "name": row["name"],
@@ -245,7 +245,7 @@ def sorted_as(
                 "problem": trial.problem,
             }
         )
-    return told
+    return trials_said
 
 
 def _usual_name(bench: Workbench, rows: Sequence[Entry], words: api.Words) -> str:
