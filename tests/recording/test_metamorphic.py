@@ -241,7 +241,7 @@ def test_of_a_spoilt_file_nothing_false_is_identified(legs, tmp_path) -> None:
     whole = surae.relaxed(path).measures
 
     @given(edits=st.lists(EDIT.filter(lambda e: e[0] != "cut"), min_size=1, max_size=2))
-    @settings(max_examples=10, **QUIET)
+    @settings(max_examples=5, **QUIET)
     def holds(edits) -> None:
         made = text
         for edit in edits:
