@@ -11,7 +11,7 @@ from surae.inference.relaxed.aligned import (
     SHIFTS,
     SIZES,
     Alignment,
-    Mounting,
+    Remounting,
     aligned,
     laid_pairs,
     quantiles_of,
@@ -20,7 +20,7 @@ from surae.inference.relaxed.pair import paired_legs
 from surae.measures.relaxed_change import SIZE, rest_change
 
 ENDS = np.array([0.025, 0.975])
-TURNED = Mounting(2.1)
+TURNED = Remounting(2.1)
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ def test_pairs_are_laid_as_the_curves_tell_and_keep_what_is_known_of_the_zero(to
     after = curve_of(Ankle(toe=-12.0), 1)
     pairs, alignment = laid_pairs(toe, after)
     apart = pairs.after.zero - pairs.before.zero
-    density = alignment.mountings(Mounting(np.hypot(1.5, 1.5)))
+    density = alignment.mountings(Remounting(np.hypot(1.5, 1.5)))
     assert np.median(apart) == pytest.approx(
         quantiles_of(SHIFTS, density, np.array([0.5]))[0], abs=0.1
     )
@@ -134,4 +134,4 @@ def test_zeros_that_were_stated_of_both_visits_are_taken_off(toe) -> None:
         assert known[name].ci95[0] < 0.0 < known[name].ci95[1]
     unknown = rest_change(toe, turned, (10.0,)).differences
     assert np.ptp(known["torque_rise"].ci95) < np.ptp(unknown["torque_rise"].ci95)
-    assert Mounting.of(*stated, 1.5) == Mounting(pytest.approx(np.hypot(0.5, 0.5)), 3.0)
+    assert Remounting.of(*stated, 1.5) == Remounting(pytest.approx(np.hypot(0.5, 0.5)), 3.0)

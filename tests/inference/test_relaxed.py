@@ -12,7 +12,7 @@ from surae.inference import Grade
 from surae.inference.relaxed.rest import rest_of
 from surae.model.knowledge import Knowledge, Plate
 from surae.model.statements import StatedZero
-from surae.signals.windows import thinned
+from surae.signals.windows import liveliest
 
 ANGLES = (-10.0, 0.0, 10.0)
 
@@ -306,7 +306,7 @@ def test_a_long_recording_is_used_whole(long) -> None:
     assert found.curve.seconds > 340.0
     for angle in ANGLES:
         assert holds(found.measures[f"passive_stiffness@{angle:g}deg"], Ankle().stiffness(angle))
-    windows = surae.relaxed(list(thinned([long], True)))
+    windows = surae.relaxed(liveliest(long, 3, 20.0))
     assert windows.curve.seconds < 60.0
     for name in ("passive_stiffness@10deg", "torque_rise", "end_stiffness"):
         of_some = windows.measures[name]

@@ -25,7 +25,7 @@ from surae.recording import Recording
 
 #: By how much each is late, least and most, where all are in step [s]: viscosity and a device that
 #: gives make an angle early (clean virtual legs of four families: 0 to 50 ms, measured trials -10
-#: to 30), and muscles follow their EMG by 0 to 100 ms (virtual legs of 25 families: 4 to 90).
+#: to 30), and muscles follow their EMG by 0 to 100 ms (some 20 virtual legs: 4 to 90).
 _IN_STEP: Mapping[Stream, tuple[float, float]] = {"angle": (-0.05, 0.0), "torque": (0.0, 0.1)}
 #: What is claimed is off by so much at least [s], at the near end of its interval.
 _CLAIMED = 0.06

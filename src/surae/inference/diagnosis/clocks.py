@@ -34,7 +34,7 @@ _EXPLAINS = 0.8
 #: trial on one clock passes for 15 ms/s.
 _RATE = (8e-4, 0.006)
 #: It is so many of its standard errors from none, of which what the model lacks makes so much at
-#: least [s/s]: of 26 clean virtual legs one passed for a drift of 1.3 ms/s, 4 of its own.
+#: least [s/s]: of some 24 clean virtual legs one passed for a drift of 1.3 ms/s, 4 of its own.
 _CLEAR = 3.0
 _LACKS = 3e-4
 #: And makes so much of the torque's changes: in a measured trial of 17 s 0.00007 passed for a
