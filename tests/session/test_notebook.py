@@ -90,7 +90,7 @@ def test_every_plot_gives_axes_and_takes_them(fit, monkeypatch):
     )
     panels = fit.plot()
     assert asked == [1]  # the model is simulated once
-    assert len(panels) == 7  # four EMG, angle, torque and its parts
+    assert len(panels) == 4  # EMG, angle, torque and its parts
     assert len({panel.figure for panel in panels}) == 1
     assert isinstance(fit.plot.correlation(), Axes)
     for name in ("torque", "parts", "residuals"):

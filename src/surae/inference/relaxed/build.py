@@ -36,6 +36,9 @@ _TONIC = 3.5
 #: Its size is that between these quantiles of it; the calf's torque is positive.
 _USUAL = (0.05, 0.95)
 _PULLS = {"tone_calf": 1.0, "tone_tibialis": -1.0}
+#: Smaller steps [Nm, deg] are taken off and not called the zero's or the foot's: a muscle that may
+#: work by 5 % at the edges of rest pulls by as much.
+_WORTH = {"step": 0.75, "slip": 0.5}
 #: Steps closer together are one [s].
 _ONE_STEP = 0.5
 #: Parts of the moved range [deg quantiles].
@@ -230,6 +233,8 @@ def _met(
             by = abs(torque) * float(np.diff(np.quantile(shown, _USUAL))[0])
             yield False, Message(f"relaxed/{name}", torque=by)
     for step in steps:
+        if abs(step.value) < _WORTH[step.kind]:
+            continue
         yield (
             False,
             Message(

@@ -22,6 +22,9 @@ _SURE = {"step": 5.0, "slip": 40.0}
 _JUMPS = 40
 #: Steps that are tried at once: an hour has seven thousand, of as many samples each.
 _AT_ONCE = 256
+#: A slip is told by one curve at two places: on both sides of it rest moves over a common range at
+#: least so wide [deg]. Where the foot only stood before, the curve itself is such a slip.
+_IN_COMMON = 5.0
 #: Columns of steps at most: one that falls within a block has two.
 MOST = 6
 #: What steps, and how large they are expected to be.
@@ -52,9 +55,12 @@ def likeliest_change(data: Whitened, mode: Mode) -> JumpColumn | None:
     half = solve_triangular(mode.factor, jacobian(data, mode.z).T / mode.sigma, lower=True)
     best: JumpColumn | None = None
     for kind, size in _SIZES.items():
+        tried = places if kind == "step" else _moved_on_both_sides(columns, places)
+        if not tried:
+            continue
         sums = []
-        for first in range(0, len(places), _AT_ONCE):
-            some = places[first : first + _AT_ONCE]
+        for first in range(0, len(tried), _AT_ONCE):
+            some = tried[first : first + _AT_ONCE]
             steps = [column(columns, kind, *place, mode) for place in some]
             sums.append(_sums(data, half, steps, mode, r))
         b, d = np.hstack(sums)
@@ -65,7 +71,7 @@ def likeliest_change(data: Whitened, mode: Mode) -> JumpColumn | None:
         at = int(np.argmax(log_odds))
         enough = log_odds[at] > _SURE[kind]
         if enough and (best is None or log_odds[at] > best.log_odds):
-            best = JumpColumn(kind, places[at][0], places[at][1], float(log_odds[at]))
+            best = JumpColumn(kind, *tried[at], float(log_odds[at]))
     return best
 
 
@@ -115,3 +121,21 @@ def _places(columns: Columns, r: FloatArray) -> list[tuple[int, float]]:
             if inside[k] and (k % step == 0 or i in jumps or i - 1 in jumps)
         ]
     return places
+
+
+def _moved_on_both_sides(
+    columns: Columns, places: list[tuple[int, float]]
+) -> list[tuple[int, float]]:
+    """Those places on whose both sides the trial's rest moves over a range in common."""
+    made = []
+    for trial in np.unique(columns.trial):
+        index = columns.trial == trial
+        time, angle = columns.time[index], columns.angle[index]
+        before = [of.accumulate(angle) for of in (np.minimum, np.maximum)]
+        behind = [of.accumulate(angle[::-1])[::-1] for of in (np.minimum, np.maximum)]
+        for place in (place for place in places if place[0] == trial):
+            k = int(np.searchsorted(time, place[1]))
+            low, high = max(before[0][k - 1], behind[0][k]), min(before[1][k - 1], behind[1][k])
+            if high - low >= _IN_COMMON:
+                made.append(place)
+    return made
