@@ -16,7 +16,7 @@ from surae.inference.relaxed.context import UNKNOWN, Laboratory
 from surae.inference.relaxed.curve import Jump, RelaxedCurve, RestingTrial, RestSamples
 from surae.inference.relaxed.estimate import Estimate, estimated
 from surae.inference.relaxed.noise import variance
-from surae.inference.relaxed.regressors import TAUS, Blocks
+from surae.inference.relaxed.regressors import TAUS, Blocks, Columns
 from surae.signals import ModelInputs
 
 #: Probability from which on a reading is said.
@@ -159,6 +159,18 @@ def _readings(estimate: Estimate) -> dict[str, float]:
     return told
 
 
+def _raises(columns: Columns, context: dict[str, tuple[float, float]]) -> bool:
+    """Whether what follows stretch late adds torque, as a reflex does; less of it is none.
+
+    Tissue that relaxes less than expected is followed by a torque that is taken off late.
+    """
+    torque = sum(
+        context[name][0] * columns.context[:, columns.names.index(name)]
+        for name in ("reflex", "reflex_long")
+    )
+    return bool(np.max(torque) > -np.min(torque))
+
+
 def _steps(
     estimate: Estimate, names: Sequence[str], context: dict[str, tuple[float, float]]
 ) -> tuple[Jump, ...]:
@@ -222,7 +234,7 @@ def _met(
         yield True, Message("relaxed/plate", weight=weight, inertia=1e3 * inertia)
     elif not known_plate and context["inertia"][0] > _HEAVY:
         yield True, Message("relaxed/heavy", inertia=1e3 * context["inertia"][0])
-    if readings["reflex"] > _LIKELY:
+    if readings["reflex"] > _LIKELY and _raises(estimate.columns, context):
         yield True, Message("relaxed/reflex")
     if readings["apart"] > _LIKELY:
         yield False, Message("relaxed/apart")
