@@ -18,7 +18,7 @@ SAID = {
     ("rj", 501): ("relaxed/reflex", True),  # a reflex in fast stretches
     ("rn", 502): ("relaxed/plate", True),  # a plate that nobody took off
     ("rl-11", 502): ("relaxed/plate", True),  # such a plate, which gives way too
-    ("rf", 502): ("relaxed/reflex", True),  # tissue that softens and holds after rest
+    ("rf", 502): ("relaxed/less", True),  # tissue that softens and holds after rest
     ("rk", 501): ("relaxed/tone_calf", False),  # a tone of which electrodes show a part
 }
 #: What is not told apart from tissue, and is in the intervals.

@@ -48,6 +48,7 @@ _KINDS = {
     "relaxed/plate": "plate",
     "relaxed/heavy": "plate",
     "relaxed/reflex": "reflex",
+    "relaxed/less": "reflex",
 }
 _SHARED = ("plate", "reflex")
 #: Probability that one visit has it and the other not, above which it does not cancel.

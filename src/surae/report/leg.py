@@ -117,11 +117,10 @@ def leg_answers(
     picture = leg_cards.stiffness_picture(
         len(holds), len(stretches), zero, _, without_weight=model is not None
     )
-    if joint is not None and of_fit is not None:
-        by_rest = rest_card(joint, of_fit, at, known, _)
-        if by_rest is not None:
-            stiff, picture = by_rest.said, by_rest.picture
-            figures["stiffness"] = by_rest.figure
+    by_rest = None if joint is None or of_fit is None else rest_card(joint, of_fit, at, known, _)
+    if by_rest is not None:
+        stiff, picture = by_rest.said, by_rest.picture
+        figures["stiffness"] = by_rest.figure
     if "stiffness" not in figures and (worked := _at_work(trials, fits)) is not None:
         by_work = working_card(*worked, _)
         picture = by_work.picture
@@ -135,7 +134,14 @@ def leg_answers(
         (
             _("Can I trust it?"),
             (
-                *trust(joint, contradicted, _, alone=alone, nerve=nerve),
+                *trust(
+                    joint,
+                    contradicted,
+                    _,
+                    alone=alone,
+                    nerve=nerve,
+                    doubt="" if by_rest is None else by_rest.doubt,
+                ),
                 *missed_trial(joint, quality, _),
                 *next_trial(joint, holds, stretches, _),
             ),

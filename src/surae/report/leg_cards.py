@@ -236,7 +236,8 @@ def _tendon(of_fit: Measures, _: Words) -> block.Text:
     m = of_fit.get("tendon_strain_tri@500N")
     if m is None or not is_told(m) or m.value is None:
         return block.Text(
-            _("Tendon: not measured. Ultrasound of the muscle would show it."), "note"
+            _("How far the tendon stretches is not known; ultrasound of the muscle would show it."),
+            "note",
         )
     value, span = _.estimate(m.value, m.ci95)
     text = _("The calf’s tendon lengthens by {value} % at 500 N ({span}).", value=value, span=span)
@@ -273,7 +274,7 @@ def change_card(
     heads = block.columns(
         _("Measure"), *sides(change, _), _("Difference (95 %)"), numbers=(1, 2), wide=(0,)
     )
-    title = _("Asked beforehand, and what changed")
+    title = _("Fixed beforehand, or changed")
     table = block.Grid(title, heads, block.rows(rows), "small")
     return block.Text(_(change.sentence), "say", headline), table
 

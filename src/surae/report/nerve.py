@@ -41,7 +41,7 @@ _STRETCHES = N_(
 )
 #: What measures are called, and words that judge.
 _NAMES = {
-    "intrinsic_stiffness": N_("Stiffness of tissue"),
+    "intrinsic_stiffness": N_("Stiffness without reflex (tissue and working muscle)"),
     "intrinsic_viscosity": N_("Viscosity of tissue"),
     "inertia": N_("Inertia"),
     "reflex_gain": N_("Gain of the reflex"),

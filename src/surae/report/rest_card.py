@@ -28,6 +28,7 @@ class RestCard:
     said: tuple[block.Block, ...]
     picture: block.Picture
     figure: Figure
+    doubt: str = ""  #: Why rest is believed with caution.
 
 
 def stated_angle(of_fit: Mapping[str, Measure], at: float) -> float:
@@ -60,8 +61,9 @@ def rest_card(
         _value, device = _.estimate(m.value, m.ci95_device)
         text = _("At this angle as the device shows it: {span}.", span=device)
         lines.append(block.Text(text, "note"))
+    doubt = ""
     if curve.grade is not Grade.ADEQUATE:
-        reason = _(curve.findings[0]).rstrip(".")
+        reason = doubt = _(curve.findings[0]).rstrip(".")
         lines.append(block.Text(_("With caution: {reason}.", reason=reason), "note"))
     elif of_fit.adequacy.grade is not Grade.ADEQUATE:
         text = _("No muscle is in this number: doubts about the fit do not touch it.")
@@ -81,7 +83,7 @@ def rest_card(
     behind = [norm for norm in known if norm.measure.startswith("slow_torque@")]
     behind = [norm for norm in behind if "healthy" in norm.group]
     figure = relaxed_figure(curve, of_fit, _, behind=behind, width=CARD_WIDTH)
-    return RestCard(tuple(lines), picture, figure)
+    return RestCard(tuple(lines), picture, figure, doubt)
 
 
 def _tells(m: Measure) -> bool:

@@ -37,11 +37,13 @@ def trust(
     *,
     alone: tuple[str, AssessedFit] | None = None,
     nerve: Nerve | None = None,
+    doubt: str = "",
 ) -> tuple[block.Block, ...]:
     """One light with the reason that weighs most, and what to do about a trial that disagrees.
 
     `alone` is the trial that is followed where all together are not; without a fit of the leg,
-    small movements are judged by what one half of them predicts of the other.
+    small movements are judged by what one half of them predicts of the other. `doubt` is why what
+    was measured at rest is believed with caution.
     """
     if joint is None and nerve is not None and nerve.held_out is not None:
         return (_of_small_movements(nerve.held_out, _),)
@@ -54,6 +56,8 @@ def trust(
     if adequacy.grade is Grade.ADEQUATE and contradicted:
         adequacy = replace(adequacy, grade=Grade.DOUBTFUL)
     reason = reason_of(assessment, contradicted, _)
+    if doubt and adequacy.grade is Grade.ADEQUATE:
+        adequacy, reason = replace(adequacy, grade=Grade.DOUBTFUL), doubt
     followed = _.many(
         "The model follows {r2} % of the torque’s changes in {n} trial.",
         "The model follows {r2} % of the torque’s changes in {n} trials.",

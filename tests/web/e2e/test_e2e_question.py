@@ -75,6 +75,6 @@ def test_a_second_visit_is_asked_before_it_is_seen(desk: Desk, visits: dict[str,
     expect(card).to_contain_text("Torque at rest over the whole curve: no verdict")
     expect(card).to_contain_text("The leg rests for 11 s only")
     expect(card.locator("tbody tr").first).to_contain_text("Torque at rest over the whole curve")
-    expect(card).to_contain_text("Asked beforehand, and what changed")
+    expect(card).to_contain_text("Fixed beforehand, or changed")
     legs = desk.api("GET", "/api/sessions")["sessions"]
     assert len([leg for leg in legs if leg["subject"] == who["id"]]) == 2

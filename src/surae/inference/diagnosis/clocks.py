@@ -253,7 +253,8 @@ def _step(
 def _of_movement(problem: FitProblem) -> list[FloatArray]:
     """Torques of tissue that a late angle may pass for: viscosity, friction, inertia."""
     inputs = problem.inputs[0]
-    fast = np.quantile(np.abs(inputs.velocity), 0.9)
+    speeds = np.abs(inputs.velocity)  # of a leg that is mostly held still most are none
+    fast = np.quantile(speeds, 0.9) or max(float(np.max(speeds)), 1e-9)
     return [inputs.velocity, np.tanh(inputs.velocity / (0.1 * fast)), inputs.acceleration]
 
 

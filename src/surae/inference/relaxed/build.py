@@ -162,7 +162,7 @@ def _readings(estimate: Estimate) -> dict[str, float]:
 def _raises(columns: Columns, context: dict[str, tuple[float, float]]) -> bool:
     """Whether what follows stretch late adds torque, as a reflex does; less of it is none.
 
-    Tissue that relaxes less than expected is followed by a torque that is taken off late.
+    Tissue that softens, or relaxes less than expected, takes torque off late.
     """
     torque = sum(
         context[name][0] * columns.context[:, columns.names.index(name)]
@@ -234,8 +234,9 @@ def _met(
         yield True, Message("relaxed/plate", weight=weight, inertia=1e3 * inertia)
     elif not known_plate and context["inertia"][0] > _HEAVY:
         yield True, Message("relaxed/heavy", inertia=1e3 * context["inertia"][0])
-    if readings["reflex"] > _LIKELY and _raises(estimate.columns, context):
-        yield True, Message("relaxed/reflex")
+    if readings["reflex"] > _LIKELY:
+        more = _raises(estimate.columns, context)
+        yield True, Message("relaxed/reflex" if more else "relaxed/less")
     if readings["apart"] > _LIKELY:
         yield False, Message("relaxed/apart")
     for name, sign in _PULLS.items():

@@ -275,7 +275,7 @@ async function subjectMade() {
 /** Whether the day of the visit is told, or said to be unknown; else it is asked for. */
 function dayTold() {
   if (byId("visit").value || dayUnknown) return true;
-  replace(byId("day-asked"), _("On which day was this measured? Changes are told from one day to another."), " ", button(_("It is not known"), () => {
+  replace(byId("day-asked"), _("On which day was this measured? Visits are compared by their day."), " ", button(_("It is not known"), () => {
     dayUnknown = true;
     byId("day-asked").hidden = true;
   }, { class: "small" }));
