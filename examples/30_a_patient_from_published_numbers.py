@@ -1,6 +1,6 @@
 """
-A patient's ankle, made from published numbers
-==============================================
+Do a patient's published numbers come back?
+===========================================
 
 Passive torque of 24 spastic ankles after stroke and of 32 healthy ones was measured by Chung and
 others (*Arch Phys Med Rehabil* 85, 2004, 1638): at 10° of dorsiflexion 9.5 and 6.2 Nm, stiffness
