@@ -261,7 +261,7 @@ def test_what_changes_no_leg_changes_no_measure_of_measured_trials(measured) -> 
 
 @pytest.mark.xfail(
     strict=True,
-    reason="seconds of rest before move a measure by 0.32 of its half-width, 0.3 is asked: its EMG is one more column since",
+    reason="rest before moves a measure by 0.32 half-widths, not 0.3",
 )
 @pytest.mark.slow
 def test_what_averages_otherwise_hardly_changes_what_rest_tells(legs) -> None:
