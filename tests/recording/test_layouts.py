@@ -19,19 +19,6 @@ from surae.recording.source import open_source
 from surae.recording.trials import SeveralTrialsError
 
 
-@pytest.fixture
-def file(tmp_path):
-    """Writes a file, as bytes or as text of a code page."""
-
-    def write(content, name="trial.csv", encoding="utf-8"):
-        path = tmp_path / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content if isinstance(content, bytes) else content.encode(encoding))
-        return path
-
-    return write
-
-
 def mapped(path, *, settle=()):
     """The recording that the mapping of an inspection reads, once its open lines are settled."""
     text = mapping_text(inspect(path), path.parent)

@@ -23,19 +23,6 @@ from surae.recording.reading import data_files_below, read_trials
 from surae.recording.source import open_source
 
 
-@pytest.fixture
-def file(tmp_path):
-    """Writes a file."""
-
-    def write(content, name="trial.csv"):
-        path = tmp_path / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content if isinstance(content, bytes) else content.encode())
-        return path
-
-    return write
-
-
 def mapped(*paths):
     """The recording that the mapping of an inspection reads."""
     toml = paths[0].with_name("map.toml")

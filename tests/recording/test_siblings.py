@@ -12,19 +12,6 @@ from surae.recording import inspect, mapping_text, read
 from surae.recording.reading import data_files_below, read_trials
 
 
-@pytest.fixture
-def file(tmp_path):
-    """Writes a file."""
-
-    def write(content, name="trial.csv"):
-        path = tmp_path / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content if isinstance(content, bytes) else content.encode())
-        return path
-
-    return write
-
-
 def said(*paths) -> str:
     """All that an inspection has to say."""
     found = inspect(paths)

@@ -164,10 +164,10 @@ def effort(rng: np.random.Generator, times: Array, kind: str) -> Array:
         seconds, size = float(rng.uniform(0.7, 2.4)), float(rng.uniform(0.25, 1.0))
         rise, fall = rng.uniform(0.12, 0.4, 2)
         at, _ = _between(times, now, now + seconds)
-        own = times[at]
-        shape = _smooth((own - now) / rise) * _smooth((now + seconds - own) / fall)
+        fluctuation = times[at]
+        shape = _smooth((fluctuation - now) / rise) * _smooth((now + seconds - fluctuation) / fall)
         wobble = 1 + rng.uniform(0, 0.25) * np.sin(
-            2 * np.pi * rng.uniform(0.4, 1.5) * own + rng.uniform(0, 6)
+            2 * np.pi * rng.uniform(0.4, 1.5) * fluctuation + rng.uniform(0, 6)
         )
         shares = np.array([0.2, 0.55, 0.25]) * np.exp(0.4 * rng.normal(size=3))
         shares /= shares.sum()

@@ -100,21 +100,23 @@ def _at(place: Path) -> Side:
     files = [place]
     if place.is_dir():
         files = [each for each in data_files_below(place) if is_recording(each)]
-    told = place / SESSION_TOML
-    files = [each for each in files if each != told]
+    session_toml = place / SESSION_TOML
+    files = [each for each in files if each != session_toml]
     if not files:
         raise InputError(f"{shown(place)}: neither a session nor recordings are in this folder")
-    return _of_folder(told, files) if told.is_file() else _of_inputs(inputs_of(files))
+    return (
+        _of_folder(session_toml, files) if session_toml.is_file() else _of_inputs(inputs_of(files))
+    )
 
 
-def _of_folder(told: Path, files: Sequence[Path]) -> Side:
+def _of_folder(session_toml: Path, files: Sequence[Path]) -> Side:
     """A visit by its recordings and its `session.toml`: what is known of it, and of each trial."""
-    said = read_session_toml(told)
+    said = read_session_toml(session_toml)
     aside = {path.name for path in said.aside} | {Path(said.plate or "").name}
     aside |= {Path(file).name for file, kind in said.trials.items() if kind == EMPTY}
     trials = [each for each in files if each.name not in aside]
     if not trials:
-        raise InputError(f"{shown(told)}: no recording of the leg is beside it")
+        raise InputError(f"{shown(session_toml)}: no recording of the leg is beside it")
     settings = FitSettings.of(knowledge=known_from(said))
     side = _of_inputs(inputs_of(trials, settings))
     stated = {Path(file).stem for file, kind in said.trials.items() if kind == _MAXIMAL}

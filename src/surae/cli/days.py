@@ -20,9 +20,9 @@ def day_of(text: str) -> date:
     if not text:
         raise click.BadParameter("which day was it? Give it as 2026-03-04, or 4 March 2026")
     try:
-        told = _parts(text)
-        if told is not None:
-            return date(*told)
+        parts = _parts(text)
+        if parts is not None:
+            return date(*parts)
     except ValueError:
         raise click.BadParameter(f"{text!r} is in no calendar") from None
     raise click.BadParameter(f"{text!r} is no day; give it as 2026-03-04, or 4 March 2026")
@@ -30,14 +30,14 @@ def day_of(text: str) -> date:
 
 def _parts(text: str) -> tuple[int, int, int] | None:
     """Year, month and day of a text; None where it has none."""
-    if told := _FIGURES.fullmatch(text):
-        year, month, day = map(int, told.groups())
+    if match := _FIGURES.fullmatch(text):
+        year, month, day = map(int, match.groups())
         return year, month, day
     for pattern, place in ((_DAY_FIRST, 2), (_MONTH_FIRST, 1)):
-        told = pattern.fullmatch(text)
-        number = _months().get(told[place].casefold()) if told else None
-        if told and number:
-            return int(told[3]), number, int(told[3 - place])
+        match = pattern.fullmatch(text)
+        number = _months().get(match[place].casefold()) if match else None
+        if match and number:
+            return int(match[3]), number, int(match[3 - place])
     return None
 
 

@@ -145,8 +145,8 @@ def _pair(
 ) -> tuple[Definition, Definition]:
     """A measure of each group."""
     tri, tib = (
-        _D(f"{name}_{group}", unit, compute, at, own, group, **more)
-        for group, own in zip(GROUPS, points, strict=True)
+        _D(f"{name}_{group}", unit, compute, at, point, group, **more)
+        for group, point in zip(GROUPS, points, strict=True)
     )
     return tri, tib
 

@@ -38,26 +38,26 @@ CUT_OFF = N_(
 
 
 def in_channels(
-    claims: Claimed, samples: Samples, problem: Problem, found: Cascade, highest: float
+    claims: Claimed, samples: Samples, problem: Problem, cascade: Cascade, highest: float
 ) -> tuple[Claimed, bool]:
     """Claims as far as both channels allow them, and whether the torque was limited."""
     if not claims.numbers:
         return claims, False
-    told = (problem, found.fitted)
+    fit_of = (problem, cascade.fitted)
     if np.isnan(samples.step):
         claims = _allowing(claims, dict.fromkeys(claims.numbers, UNKNOWN))
     elif samples.step:
-        fits = coarser(samples, highest, *told)
-        parts = [_apart(claims.numbers, told, each) for each in fits]
+        fits = coarser(samples, highest, *fit_of)
+        parts = [_apart(claims.numbers, fit_of, each) for each in fits]
         most = {name: max(part[name] for part in parts) for name in claims.numbers}
         claims = _allowing(claims, {name: TWICE * part for name, part in most.items()})
         if (worst := max(most.values())) > MOST:  # they are estimated together
             why = Message(TOO_COARSE, part=100.0 * worst)
             claims = replace(without(claims, MEASURES, why), reflex=_cannot_tell(why))
-    ends = limits_of(*told)
+    ends = limits_of(*fit_of)
     limited = bool(ends) or repeats_its_largest(samples.torque)
     if limited:
-        apart = _apart(claims.numbers, told, restored(*told, ends))
+        apart = _apart(claims.numbers, fit_of, restored(*fit_of, ends))
         claims = _allowing(claims, {name: max(part, WRONG) for name, part in apart.items()})
         claims = without(claims, [name for name in MEASURES if name != SLOW], Message(CUT_OFF))
     return claims, limited
@@ -86,7 +86,7 @@ def _cannot_tell(why: Message) -> ReflexPath:
 
 
 def _apart(
-    numbers: Mapping[str, Number], told: tuple[Problem, Fitted], other: tuple[Problem, Fitted]
+    numbers: Mapping[str, Number], fit_of: tuple[Problem, Fitted], other: tuple[Problem, Fitted]
 ) -> dict[str, float]:
     """By what part of each number another fit, of channels that were changed, differs."""
     tables = INTRINSIC | REFLEX
@@ -98,6 +98,6 @@ def _apart(
 
     apart = {}
     for name in numbers:
-        first, second = (value(name, *each) for each in (told, other))
+        first, second = (value(name, *each) for each in (fit_of, other))
         apart[name] = abs(second - first) / max(abs(first), 1e-12)
     return apart

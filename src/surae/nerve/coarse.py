@@ -15,7 +15,7 @@ DRIFT = 3.7
 
 
 def coarser(
-    samples: Samples, highest: float, problem: Problem, told: Fitted
+    samples: Samples, highest: float, problem: Problem, fitted: Fitted
 ) -> list[tuple[Problem, Fitted]]:
     """Fits of the position with errors as its steps make them, added once more.
 
@@ -23,12 +23,12 @@ def coarser(
     extrapolation: Cook and Stefanski, *J Am Stat Assoc* 89 (1994) 1314). The errors are those of
     movements like the recorded one.
     """
-    found = []
+    fits = []
     for scale in LIKE:
         more = replace(samples, angle=samples.angle + _error(samples, scale))
         again = Problem(more.pieces(highest=highest), problem.noise)
-        found.append((again, again.fit(told.structure, told.values)))
-    return found
+        fits.append((again, again.fit(fitted.structure, fitted.values)))
+    return fits
 
 
 def _error(samples: Samples, scale: float) -> FloatArray:

@@ -64,8 +64,11 @@ class Envelopes:
     def bent(self, bend: float) -> list[list[FloatArray]]:
         """What calls muscles up, by recording and muscle, by a law."""
         return [
-            [_bent((h - r) / s, bend) for h, r, s in zip(own, self.rest, self.span, strict=True)]
-            for own in self.heard
+            [
+                _bent((h - r) / s, bend)
+                for h, r, s in zip(envelopes, self.rest, self.span, strict=True)
+            ]
+            for envelopes in self.heard
         ]
 
     def noisy(self, law: Law) -> FloatArray:

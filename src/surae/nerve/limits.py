@@ -91,7 +91,7 @@ def _limit(
     torque = np.concatenate([sign * piece.signals(piece.torque) for piece in problem.pieces])
     jumps = any(np.any(piece.jumps) for piece in problem.pieces)
     best = CLEAR_OF_JUMPS if jumps else CLEAR
-    found = None
+    likeliest = None
     for part in PARTS:
         end = TorqueLimit(sign, float(np.quantile(torque, 1.0 - part)))
         missing = -_whitened(problem, [_beyond(p, fitted, end) for p in problem.pieces])
@@ -100,9 +100,9 @@ def _limit(
         z, size = _weighed(np.vstack([rows, missing]), residual)
         if z > best and size > GONE:
             best = z
-            found = end
-    if found is not None:
-        yield found
+            likeliest = end
+    if likeliest is not None:
+        yield likeliest
 
 
 def _weighed(rows: FloatArray, residual: FloatArray) -> tuple[float, float]:

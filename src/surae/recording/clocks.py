@@ -26,8 +26,8 @@ def clocks_behind(
 
     `columns` are the first numbers of each column with a name.
     """
-    own = columns.get(first.column)
-    if own is None or not len(own) or first.column not in names:
+    instants = columns.get(first.column)
+    if instants is None or not len(instants) or first.column not in names:
         return {}
     at = names.index(first.column)
     current: Clock | None = None
@@ -36,7 +36,7 @@ def clocks_behind(
     for name in names[at + 1 :]:
         clock = _clock(name, columns.get(name)) if signals else None
         if clock is not None:
-            same = _same(own * first.in_seconds, columns[name] * clock.in_seconds)
+            same = _same(instants * first.in_seconds, columns[name] * clock.in_seconds)
             current = None if same else clock
         elif name:
             signals += 1

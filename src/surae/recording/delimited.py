@@ -158,9 +158,9 @@ def _by_their_clocks(
     """Columns that have a column of times of their own."""
     loaded: dict[str, Column] = {}
     for clock in dict.fromkeys(apart[name] for name in wanted if name in apart):
-        own = [name for name in wanted if apart.get(name) == clock]
+        clocks = [name for name in wanted if apart.get(name) == clock]
         said = f"its times are those of column {clock.column!r}"
-        for name, column in rows.columns(own, clock.column, clock.in_seconds).items():
+        for name, column in rows.columns(clocks, clock.column, clock.in_seconds).items():
             remark = "; ".join(filter(None, (said, column.remark)))
             loaded[name] = replace(column, remark=remark)
     return loaded

@@ -171,8 +171,8 @@ def _over_angle(
     """Torque at rest over the angle, healthy legs behind it where this one stands `among` them."""
     norms = [(n, _point(n)) for n in known if n.measure.startswith("slow_torque@")]
     healthy = [each for each in norms if "healthy" in each[0].group and of_fit is not None]
-    own = [(at, of_fit[norm.measure]) for norm, at in healthy if of_fit is not None]
-    return stiffness_figure(holds, stretches, model, healthy, own, _)
+    of_leg = [(at, of_fit[norm.measure]) for norm, at in healthy if of_fit is not None]
+    return stiffness_figure(holds, stretches, model, healthy, of_leg, _)
 
 
 def _made(
@@ -220,14 +220,14 @@ def _at_work(
     trials: Sequence[Trial], fits: Mapping[str, AssessedFit]
 ) -> tuple[str, WorkingStiffness] | None:
     """The trial whose steps load the ankle least, as walking beside running, and what they tell."""
-    told = [
+    steps_of = [
         (trial.name, steps)
         for trial in trials
         if trial.effort == "active" and trial.name in fits
         for inputs in fits[trial.name].result.problem.inputs
         if (steps := working_stiffness(inputs)) is not None
     ]
-    return min(told, key=lambda each: each[1].peak, default=None)
+    return min(steps_of, key=lambda each: each[1].peak, default=None)
 
 
 def first_answer(trials: Sequence[Trial], _: Words) -> str:

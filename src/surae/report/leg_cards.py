@@ -279,14 +279,14 @@ def change_card(
     return block.Text(_(change.sentence), "say", headline), table
 
 
-def _would_show(told: Measure | None, nerve: Nerve | None, _: Words) -> str:
+def _would_show(measure: Measure | None, nerve: Nerve | None, _: Words) -> str:
     """From which change on another visit would show it, or below which not; empty: not known."""
-    if told is not None and told.sdc is not None and is_known(told):
-        unit, factor = on_page(told.unit)
+    if measure is not None and measure.sdc is not None and is_known(measure):
+        unit, factor = on_page(measure.unit)
         return _(
             "so far. {measure}: a change of {least} {unit} or more would show",
-            measure=_.measure(told.name),
-            least=_.number(significant(factor * told.sdc, 2)),
+            measure=_.measure(measure.name),
+            least=_.number(significant(factor * measure.sdc, 2)),
             unit=unit,
         )
     stiff = None if nerve is None else nerve.stiffness

@@ -8,7 +8,7 @@ import numpy as np
 from surae.base.formatting import significant
 from surae.nerve.leg import Nerve, StretchTorque
 from surae.report import block
-from surae.report.figures import GREY, INK, RED, Figure, dress, new_figure
+from surae.report.figures import GREY, RED, Figure, card_legend, dress, new_figure
 from surae.report.figures.leg import CARD_WIDTH
 from surae.report.figures.nerve import tick
 from surae.report.language import Words
@@ -199,12 +199,5 @@ def stretches_figure(stretches: Sequence[StretchTorque], _: Words) -> Figure:
     axes.set_ylim(bottom=min(axes.get_ylim()[0], 0.0))
     axes.set_xlim(0.0, 1.08 * max(s.speed for s in stretches))
     tick(axes, _)
-    axes.legend(
-        frameon=False,
-        fontsize=8,
-        labelcolor=INK,
-        loc="lower left",
-        ncols=3,
-        bbox_to_anchor=(0.0, 1.0),
-    )
+    card_legend(axes, columns=3, size=8)
     return figure

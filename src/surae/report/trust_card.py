@@ -82,8 +82,8 @@ def missed_trial(
     joint: AssessedFit | None, quality: Mapping[str, Quality], _: Words
 ) -> tuple[block.Block, ...]:
     """What was found in the torque or angle of a trial that is not followed, and what to do."""
-    told = () if joint is None else joint.assessment.adequacy.against
-    for reason in told:
+    reasons = () if joint is None else joint.assessment.adequacy.against
+    for reason in reasons:
         name = str(reason.values.get("trial", ""))
         if reason.code == "trial-not-followed" and name in quality:
             for each in quality[name].findings:

@@ -79,8 +79,8 @@ def prepared_parts(
     `prepare` makes model inputs of all of them at once, as many as it is given.
     """
     each = [_thinned(part, *(FAMILY if family else ONE)) for part in parted(recordings)]
-    made = iter(prepare([window for own in each for window in own.windows]))
-    return tuple(own.joined([next(made) for _ in own.windows]) for own in each)
+    made = iter(prepare([window for thinned in each for window in thinned.windows]))
+    return tuple(thinned.joined([next(made) for _ in thinned.windows]) for thinned in each)
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,32 +97,32 @@ class _Thinned:
         first = prepared[0]
         if not self.spans:
             return first
-        n = sum(own.n for own in prepared)
+        n = sum(window.n for window in prepared)
         time = first.time[0] + np.arange(n) / first.rate_hz
-        starts = time[np.cumsum([0, *(own.n for own in prepared[:-1])])]
-        later = [start - own.time[0] for start, own in zip(starts, prepared, strict=True)]
+        starts = time[np.cumsum([0, *(window.n for window in prepared[:-1])])]
+        later = [start - window.time[0] for start, window in zip(starts, prepared, strict=True)]
         rows: dict[str, Any] = {
-            name: read_only(np.concatenate([getattr(own, name) for own in prepared]))
+            name: read_only(np.concatenate([getattr(window, name) for window in prepared]))
             for name in _ROWS
             if getattr(first, name) is not None
         }
-        told = Message(_WINDOWS, windows=_spans(self.spans), minutes=self.seconds / 60.0)
+        said = Message(_WINDOWS, windows=_spans(self.spans), minutes=self.seconds / 60.0)
         return replace(
             first,
             **rows,
             name=f"{self.name}, {_spans(self.spans)}",
             time=read_only(time),
             weight=read_only(np.concatenate(list(map(_within, prepared, self.spans)))),
-            emphasised=any(own.emphasised for own in prepared),
+            emphasised=any(window.emphasised for window in prepared),
             second=tuple(
                 read_only(np.concatenate(each))
-                for each in zip(*(own.second for own in prepared), strict=True)
+                for each in zip(*(window.second for window in prepared), strict=True)
             ),
             films=_films(prepared, later),
-            rectified=tuple(np.mean([own.rectified for own in prepared], axis=0).tolist()),
-            emg_lost=max(own.emg_lost for own in prepared),
+            rectified=tuple(np.mean([window.rectified for window in prepared], axis=0).tolist()),
+            emg_lost=max(window.emg_lost for window in prepared),
             effort=None,
-            steps=(*first.steps, told),
+            steps=(*first.steps, said),
         )
 
 
@@ -138,16 +138,16 @@ def _within(prepared: ModelInputs, span: tuple[float, float]) -> FloatArray:
 
 def _films(prepared: Sequence[ModelInputs], later: Sequence[float]) -> tuple[Film, ...]:
     """The films of windows, each so much `later` [s]."""
-    channels = dict.fromkeys(film.channel for own in prepared for film in own.films)
+    channels = dict.fromkeys(film.channel for pairs in prepared for film in pairs.films)
     made = []
     for channel in channels:
-        own = [
+        pairs = [
             (film.time + by, film.length)
             for window, by in zip(prepared, later, strict=True)
             for film in window.films
             if film.channel == channel
         ]
-        time, length = (read_only(np.concatenate(each)) for each in zip(*own, strict=True))
+        time, length = (read_only(np.concatenate(each)) for each in zip(*pairs, strict=True))
         made.append(Film(channel, time, length))
     return tuple(made)
 

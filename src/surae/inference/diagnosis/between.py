@@ -102,12 +102,12 @@ def lagging_stream(
     """
     if signals.torque is None or fit.r2 < 0.5:
         return None
-    found: list[StreamLag] = []
+    lags: list[StreamLag] = []
     for stream in may_be_apart(recording):
         if stream == "emg" or (stream == "torque" and not signals.fast):
             continue
-        found += _lags(recording, signals, fit, stream)
-    best = max(found, key=lambda lag: lag.after.r2, default=None)
+        lags += _lags(recording, signals, fit, stream)
+    best = max(lags, key=lambda lag: lag.after.r2, default=None)
     if best is None or (emg is not None and emg.r2 >= best.after.r2):
         return None
     return best

@@ -67,9 +67,9 @@ _Z95 = 1.96
 
 @dataclass(frozen=True, slots=True)
 class Estimated:
-    """A lag of the EMG in the middle of a trial, and by how much it grows."""
+    """A lag of a stream in the middle of a trial, and by how much it grows."""
 
-    lag: float  #: By how much it is late for the torque [s]; negative where muscles follow it.
+    lag: float  #: By how much it is late for the others [s]; negative where it is early.
     rate: float  #: By how much it comes later every second [s/s]; negative where earlier.
     lag_sem: float  #: Standard error of the lag [s].
     rate_sem: float  #: Standard error of the rate [s/s].
@@ -89,11 +89,11 @@ class Estimated:
 
 @dataclass(frozen=True, slots=True)
 class ClockDrift:
-    """A lag of the EMG that grows, estimated against the torque."""
+    """A lag of a stream for the others that grows, and what has it."""
 
-    rate: float  #: By how much the EMG comes later every second [s/s]; negative where earlier.
+    rate: float  #: By how much it comes later every second [s/s]; negative where earlier.
     sem: float  #: Its standard error [s/s].
-    lag: float  #: By how much the EMG is late in the middle [s].
+    lag: float  #: By how much it is late in the middle [s].
     lag_sem: float  #: Its standard error [s].
     stream: Stream  #: What has that clock.
     before: QuickFit  #: The fit with that lag alone.
@@ -106,7 +106,7 @@ class ClockDrift:
 
     @property
     def ppm(self) -> float:
-        """By how much the EMG's clock is fast [10⁻⁶]: true = stamp / (1 + 10⁻⁶ ppm)."""
+        """By how much its clock is fast [10⁻⁶]: true = stamp / (1 + 10⁻⁶ ppm)."""
         return 1e6 * self.rate
 
     @property
@@ -138,8 +138,8 @@ def clock_drift(
     after = quick_fit(recording, moved(signals, drift.lag, drift.rate, stream), near=fit)
     if before is None or after is None or not after.r2 > max(before.r2, _EXPLAINS):
         return None
-    own = (drift.rate, sem, drift.lag, drift.lag_sem)
-    return ClockDrift(*own, stream, before, after)
+    numbers = (drift.rate, sem, drift.lag, drift.lag_sem)
+    return ClockDrift(*numbers, stream, before, after)
 
 
 def estimated_clock(

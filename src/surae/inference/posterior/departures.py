@@ -125,9 +125,9 @@ def _scored(post: LogPosterior, point: Point, groups: Sequence[str]) -> tuple[Su
     """All sets of these groups, of one quadratic."""
     positions: dict[str, list[int]] = {group: [] for group in groups}
     off: dict[int, float] = {}
-    told = filmed_paths(post.problem.inputs)  # no departure: a film shows them
+    scored = filmed_paths(post.problem.inputs)  # no departure: a film shows them
     for j, name in enumerate(post.names):
-        if name in told:
+        if name in scored:
             continue
         if name in post.beliefs and (group := group_of(name)) in positions:
             positions[group].append(j)

@@ -259,12 +259,12 @@ def _of_films(beliefs: Mapping[str, Gaussian], problem: FitProblem) -> dict[str,
     """
     given = problem.settings.beliefs
     stated = {} if isinstance(given, str) else given
-    own = problem.settings.geometry_of == GEOMETRY_OF[1] or {PATH, "arm"} & stated.keys()
+    by_film = problem.settings.geometry_of == GEOMETRY_OF[1] or {PATH, "arm"} & stated.keys()
     priors = dict[str, Gaussian]()
     for name in sorted(filmed_paths(problem.inputs) & beliefs.keys() - stated.keys()):
         group = name.removeprefix(f"{PATH}_")
         gear = assumed_gear(problem.options, group)
-        if own or not np.isfinite(gear):
+        if by_film or not np.isfinite(gear):
             continue
         arm = beliefs.get(f"{ARM}_{group}", beliefs[name])
         mean = GEAR.mean - float(np.log(gear)) + arm.mean

@@ -20,12 +20,13 @@ from surae.base.units import FloatArray
 from surae.inference.evidence import inverse_of
 from surae.inference.posterior.conflict import ZERO_NAME
 from surae.inference.posterior.log_posterior import LogPosterior, Point
+from surae.inference.relaxed.pair import REMOUNTED
 from surae.inference.result import Mounting
 from surae.quality.timing import TOO_SHORT
 
 #: By how much the foot turns on its plate from trial to trial of one visit [deg], one standard
-#: deviation: as much as if it were mounted anew (`surae.inference.relaxed.pair.REMOUNTED`).
-STAYS = 1.5
+#: deviation: as much as if it were mounted anew.
+STAYS = REMOUNTED
 #: How far any zero may be, nothing being known of it [deg].
 _ANY = 15.0
 
@@ -36,18 +37,18 @@ def mountings(post: LogPosterior, point: Point) -> tuple[Mounting, ...]:
     One that is too short to tell has the zero of all.
     """
     inputs = post.problem.inputs
-    told = [i for i, each in enumerate(inputs) if each.counted >= TOO_SHORT * each.rate_hz]
-    if len(told) < 2:
+    long_enough = [i for i, each in enumerate(inputs) if each.counted >= TOO_SHORT * each.rate_hz]
+    if len(long_enough) < 2:
         return ()
-    shift, covariance = _zeros(post, point, told)
-    known = covariance + np.radians(STAYS) ** 2 * np.eye(len(told))
+    shift, covariance = _zeros(post, point, long_enough)
+    known = covariance + np.radians(STAYS) ** 2 * np.eye(len(long_enough))
     probability = _alike(shift, known)
     made = []
-    for row, number in enumerate(told):
+    for row, number in enumerate(long_enough):
         # against the others' mean by their precision
-        others = np.delete(np.arange(len(told)), row)
+        others = np.delete(np.arange(len(long_enough)), row)
         share = np.linalg.solve(known[np.ix_(others, others)], np.ones(len(others)))
-        away = np.zeros(len(told))
+        away = np.zeros(len(long_enough))
         away[others] = -share / share.sum()
         away[row] = 1.0
         turned, sd = np.degrees([away @ shift, np.sqrt(away @ known @ away)]).tolist()
@@ -55,17 +56,19 @@ def mountings(post: LogPosterior, point: Point) -> tuple[Mounting, ...]:
     return tuple(made)
 
 
-def _zeros(post: LogPosterior, point: Point, told: Sequence[int]) -> tuple[FloatArray, FloatArray]:
+def _zeros(
+    post: LogPosterior, point: Point, long_enough: Sequence[int]
+) -> tuple[FloatArray, FloatArray]:
     """Zeros of these recordings’ angles [rad] and their covariance, all else solved with them."""
     at = post.of.index(ZERO_NAME)
     rest = np.delete(np.arange(len(point.z)), at)
     H, g = post.reduced(point.blocks)
     q = len(rest)
-    whole = np.zeros((q + len(told), q + len(told)))
+    whole = np.zeros((q + len(long_enough), q + len(long_enough)))
     pull = np.zeros(len(whole))
     whole[:q, :q] = H[np.ix_(rest, rest)] + np.diag(post.weight[rest] ** 2)
     pull[:q] = g[rest] + post.weight[rest] ** 2 * (point.z - post.mean)[rest]
-    for row, number in enumerate(told, q):
+    for row, number in enumerate(long_enough, q):
         b = point.blocks[number]
         whole[:q, row] = whole[row, :q] = b.H[rest, at]
         whole[row, row] = b.H[at, at] + np.radians(_ANY) ** -2

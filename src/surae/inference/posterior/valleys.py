@@ -49,19 +49,19 @@ def first(
     best = min((end for _, end, _ in runs), key=lambda end: end.cost)
     reach = _ALIKE * np.sqrt(np.diag(post.covariance(best)))
     before = family.evaluations
-    lowest = own = _quieter(post, best)
+    lowest = quieter = _quieter(post, best)
     met = []
     for begin, end, spent in runs:
-        own = lowest
+        quieter = lowest
         behind = end.cost - best.cost
         if np.any(np.abs(end.z - best.z) > reach):  # of another valley
             # at less noise what is far behind is farther behind
             doubtful = behind < _BEHIND
-            own = _quieter(post, end) if doubtful else (lowest[0] + behind, post, end)
+            quieter = _quieter(post, end) if doubtful else (lowest[0] + behind, post, end)
         total = spent + family.evaluations - before
         before = family.evaluations
-        met.append((own[0], _started(own[1], begin, own[2], total)))
-        lowest = min(lowest, own, key=lambda each: each[0])
+        met.append((quieter[0], _started(quieter[1], begin, quieter[2], total)))
+        lowest = min(lowest, quieter, key=lambda each: each[0])
     return lowest[1].by_name(lowest[2].z), lowest[1].noise, met
 
 

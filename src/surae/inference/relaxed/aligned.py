@@ -83,8 +83,8 @@ class Alignment:
         sized = self.likelihood @ size
         one = self._of_one_size
         moves = _normal(SHIFTS[None, :] - SHIFTS[:, None], _SHIFT_SD)
-        told = _NOTHING * one + _SIZED * sized + moves @ (_SHIFTED * one + _BOTH * sized)
-        made = prior * told
+        evidence = _NOTHING * one + _SIZED * sized + moves @ (_SHIFTED * one + _BOTH * sized)
+        made = prior * evidence
         return np.asarray(made / made.sum())
 
     @property

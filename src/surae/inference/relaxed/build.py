@@ -104,11 +104,11 @@ def _curve(
     ends = columns.basis.features([columns.basis.low, columns.basis.high])
     rise = abs(float((ends[1] - ends[0]) @ (shares @ means)[: columns.basis.size]))
     seconds = sum(_seconds(trial) for trial in estimate.trials)
-    found = [
+    said = [
         *_grave(noise, rise, seconds),
         *_met(estimate, readings, steps, context, laboratory.plate_known),
     ]
-    grade = Grade.DOUBTFUL if any(doubt for doubt, _ in found) else Grade.ADEQUATE
+    grade = Grade.DOUBTFUL if any(doubt for doubt, _ in said) else Grade.ADEQUATE
     return RelaxedCurve(
         columns.basis.low,
         columns.basis.high,
@@ -124,7 +124,7 @@ def _curve(
         tuple(map(_trial, estimate.trials)),
         steps,
         grade,
-        tuple(message for _, message in sorted(found, key=lambda each: not each[0])),
+        tuple(message for _, message in sorted(said, key=lambda each: not each[0])),
         _samples(estimate, (shares @ means)[inner:]),
         estimate.rest.by == "declared",
         tuple((part.hypothesis.plate, part.hypothesis.reflex) for part in estimate.parts),
@@ -148,15 +148,15 @@ def _context(
 
 def _readings(estimate: Estimate) -> dict[str, float]:
     """Posterior probabilities of what foot, sensor and nerve may be."""
-    told = {"plate": 0.0, "reflex": 0.0, "apart": 0.0}
+    probabilities = {"plate": 0.0, "reflex": 0.0, "apart": 0.0}
     for each, share in estimate.hypotheses:
         for name, yes in (
             ("plate", each.plate),
             ("reflex", each.reflex),
             ("apart", each.apart and len([t for t in estimate.trials if t.pieces]) > 1),
         ):
-            told[name] += share * yes
-    return told
+            probabilities[name] += share * yes
+    return probabilities
 
 
 def _raises(columns: Columns, context: dict[str, tuple[float, float]]) -> bool:

@@ -119,8 +119,8 @@ def _averaged(
     grid = {pair: at(*pair, likeliest, start) for pair in product(SIZES, BENDS)}
     best = max(grid, key=lambda pair: grid[pair].evidence)
     alone = {each: at(*best, each, grid[best]) for each in every}
-    told = _plate_told(columns.names, alone[likeliest])
-    wholes = _wholes(every, told)
+    heard = _plate_told(columns.names, alone[likeliest])
+    wholes = _wholes(every, heard)
     shares = _shared(every, [alone[each] for each in every], wholes)
     parts: list[Part] = []
     for each, share in zip(every, shares, strict=True):
@@ -168,9 +168,9 @@ def _shared(
         [np.log(h.odds) + mode.evidence for h, mode in zip(readings, modes, strict=True)]
     )
     for plate, whole in wholes.items():
-        own = np.array([each.plate is plate for each in readings])
-        if own.any():
-            shares[own] = whole * _normalised(logs[own])
+        of_plate = np.array([each.plate is plate for each in readings])
+        if of_plate.any():
+            shares[of_plate] = whole * _normalised(logs[of_plate])
     return np.asarray(shares / shares.sum())
 
 

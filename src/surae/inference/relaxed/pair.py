@@ -164,7 +164,7 @@ def _joint_parts(
     alike = _ALIKE if one_leg else 0.0
     count = len(TAUS)
     made = []
-    told = 0.0
+    likely = 0.0
     for i, first in enumerate(before.share):
         for j, second in enumerate(after.share):
             share = first * second * _staying(before, i, after, j, one_leg=one_leg)
@@ -180,13 +180,13 @@ def _joint_parts(
             if alike > 0.0:
                 log_factor, mean, covariance = coupled(mean, covariance)
                 kin = share * alike * math.exp(log_factor)
-                told += kin
+                likely += kin
                 made.append(_Joint(kin, i, j, mean, covariance))
     total = sum(part.share for part in made)
     return [
         _Joint(part.share / total, part.first, part.second, part.mean, part.covariance)
         for part in made
-    ], told / total
+    ], likely / total
 
 
 def _unlike(

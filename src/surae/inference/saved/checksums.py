@@ -68,16 +68,16 @@ def _of_fitted(data: Mapping[str, Any]) -> str:
 
 def _of_search(data: Mapping[str, Any]) -> str:
     """SHA-256 of how a fit was found, and of what was found in its recordings before."""
-    found = {key: data.get(key) for key in _SEARCHED}
-    found["findings"] = [
+    searched = {key: data.get(key) for key in _SEARCHED}
+    searched["findings"] = [
         {k: v for k, v in each.items() if k != "recording"} for each in data.get("findings", ())
     ]
-    found["steps"] = [each.get("steps") for each in data["traces"]]
+    searched["steps"] = [each.get("steps") for each in data["traces"]]
     adequacy = data.get("adequacy")
     codes = adequacy.get("codes") if isinstance(adequacy, dict) else None
-    found["of_other_trials"] = [
+    searched["of_other_trials"] = [
         {k: v for k, v in each.items() if k != "says"}
         for each in (codes if isinstance(codes, list) else ())
         if isinstance(each, dict) and each.get("code") in OF_OTHER_TRIALS
     ]
-    return sha256(json.dumps(found, sort_keys=True).encode())
+    return sha256(json.dumps(searched, sort_keys=True).encode())

@@ -176,13 +176,13 @@ def _result(file: _File, data: Mapping[str, Any]) -> FitResult:
         if not set(free) <= set(initial):
             raise InputError("starts.all[0].initial: a free parameter is missing")
         problem["base"] = np.array([initial[n] if n in free else values[n] for n in spec.names])
-    found = {
+    parts = {
         "problem": from_plain(FitProblem, {**data, **problem}),
         "values": values,
         "residuals": tuple(left.residual for left in file.left),
         "solution": _solution(file, data),
     }
-    result = from_plain(FitResult, {**data, **found})
+    result = from_plain(FitResult, {**data, **parts})
     _check(result)
     return result
 
@@ -193,16 +193,16 @@ def _solution(file: _File, data: Any) -> LeastSquares | PosteriorMode:
     family = data.get("family")
     ended = starts[-1] if starts[-1].outcome == "interrupted" else min(starts, key=lambda s: s.sse)
     search = file.search or _Search(ended.outcome)
-    own = {
+    of_kind = {
         "starts": starts,
         "agreeing": file.starts.agreeing,
         "stages": search.stages,
         "outcome": search.outcome,
     }
     if family is None:
-        return from_plain(LeastSquares, {**own, "outliers": data.get("outliers")})
+        return from_plain(LeastSquares, {**of_kind, "outliers": data.get("outliers")})
     known = _family(family)
-    return from_plain(PosteriorMode, {**own, **known} if isinstance(known, dict) else known)
+    return from_plain(PosteriorMode, {**of_kind, **known} if isinstance(known, dict) else known)
 
 
 def _family(data: Any) -> Any:
@@ -258,7 +258,7 @@ def _check(result: FitResult) -> None:
         raise InputError("parameters: a bound is not a number")
     with np.errstate(over="ignore", invalid="ignore"):
         pairs_of = zip(inputs, result.residuals, strict=True)
-        weighted = sum(float(np.sum(own.weights * e**2)) for own, e in pairs_of)
+        weighted = sum(float(np.sum(of_recording.weights * e**2)) for of_recording, e in pairs_of)
     if math.isfinite(result.sse) and not math.isclose(result.sse, weighted, rel_tol=1e-6):
         raise InputError("sse: the sum of squares is not that of the residuals")
 

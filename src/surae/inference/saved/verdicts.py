@@ -71,13 +71,13 @@ def as_judged(now: Assessment, data: Mapping[str, Any]) -> Assessment:
     every = {**now.parameters, **now.nuisances}
     moved = []
     for name, p in every.items():
-        own = claimed[name]
-        if p.verdict != own.verdict:
-            differs.append(f"{name} is {p.verdict}, not {own.verdict}")
-            every[name] = replace(p, verdict=own.verdict, ci95=own.ci95, note="")
-        elif not _alike(p.ci95, own.ci95):
+        judged = claimed[name]
+        if p.verdict != judged.verdict:
+            differs.append(f"{name} is {p.verdict}, not {judged.verdict}")
+            every[name] = replace(p, verdict=judged.verdict, ci95=judged.ci95, note="")
+        elif not _alike(p.ci95, judged.ci95):
             moved.append(name)
-            every[name] = replace(p, ci95=own.ci95)
+            every[name] = replace(p, ci95=judged.ci95)
     if moved:
         differs.append(f"the intervals of {', '.join(moved)} are others")
     return replace(

@@ -256,8 +256,8 @@ def _stated(problem: FitProblem) -> dict[str, Gaussian]:
     if settings.knowledge is not None:
         known = priors_of(settings.knowledge)
         stated |= {n: Gaussian(*by) for n, by in known.items() if n.startswith(ARM)}
-    own = {} if isinstance(settings.nuisances, str) else settings.nuisances
-    for name, (mean, sd) in (*problem.options.anatomy.nuisances.items(), *own.items()):
+    by_user = {} if isinstance(settings.nuisances, str) else settings.nuisances
+    for name, (mean, sd) in (*problem.options.anatomy.nuisances.items(), *by_user.items()):
         for each in NUISANCES.get(name, (name,)):
             if each.startswith((ARM, PATH)):
                 stated[each] = Gaussian(float(mean), float(sd))

@@ -92,7 +92,9 @@ class Uncertainty(Comparable):
         rows = {source: by[:, of_fit] * ~sampled for source, by in self.rows.items()}
         return replace(
             self,
-            names=tuple(n for n, own in zip(self.names, of_fit, strict=True) if own),
+            names=tuple(
+                n for n, of_that_fit in zip(self.names, of_fit, strict=True) if of_that_fit
+            ),
             **{
                 name: getattr(self, name)[of_fit]
                 for name in ("values", "lower", "upper", "origin", "shift", "dof")

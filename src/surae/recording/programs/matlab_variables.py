@@ -149,9 +149,9 @@ def is_rate(name: str) -> bool:
 
 def rate_said(name: str, number: float) -> float | None:
     """The sampling rate [Hz] that a number is by its name; None where it is none."""
-    own = bare(name)
+    attribute = bare(name)
     for unit, factor in (("khz", 1e3), ("hz", 1.0), ("", 1.0)):
-        if own.endswith(unit) and own[: len(own) - len(unit)] in RATES:
+        if attribute.endswith(unit) and attribute[: len(attribute) - len(unit)] in RATES:
             return number * factor
     return None
 

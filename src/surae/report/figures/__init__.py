@@ -196,6 +196,19 @@ def heading(axes: Axes, text: str, pad: float | None = None) -> None:
     axes.set_title(text, loc="left", fontsize=9, color=INK, weight="bold", y=1.0, pad=pad)
 
 
+def card_legend(axes: Axes, columns: int = 2, size: float = 7, **more: Any) -> None:
+    """A legend above the axis of a card's figure, from its left edge on."""
+    axes.legend(
+        frameon=False,
+        fontsize=size,
+        labelcolor=INK,
+        loc="lower left",
+        ncols=columns,
+        bbox_to_anchor=(0.0, 1.0),
+        **more,
+    )
+
+
 def legend(axes: Axes, columns: int) -> None:
     """A legend above the axis, where it hides no data: beside the heading, or below it."""
     room = float(axes.get_window_extent().width) / axes.figure.dpi

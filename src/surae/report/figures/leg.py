@@ -10,7 +10,7 @@ from surae.base.units import FloatArray
 from surae.measures.measure import Measure
 from surae.measures.norms import Norm
 from surae.measures.torque_curve import HeldPoint, Stretch, TorqueCurve
-from surae.report.figures import BLUE, GREY, INK, MUTED, dress, new_figure
+from surae.report.figures import BLUE, GREY, INK, MUTED, card_legend, dress, new_figure
 from surae.report.language import Words
 
 #: Width of a card's figure, so that its letters are read on a telephone too [inch].
@@ -139,14 +139,7 @@ def _dressed(axes: Axes, drawn: Sequence[FloatArray], _: Words) -> None:
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_formatter(lambda tick, _place: _.number(f"{tick:g}".replace("-", "−")))
     axes.axhline(0.0, color=MUTED, linewidth=0.6)
-    axes.legend(
-        frameon=False,
-        fontsize=7,
-        labelcolor=INK,
-        loc="lower left",
-        ncols=2,
-        bbox_to_anchor=(0.0, 1.0),
-    )
+    card_legend(axes)
 
 
 def shares_bar(parts: Sequence[tuple[str, float, tuple[float, float] | None]]) -> Figure:

@@ -7,7 +7,17 @@ import numpy as np
 from surae.inference.relaxed.curve import RelaxedCurve
 from surae.measures.measure import Measure
 from surae.measures.norms import Norm
-from surae.report.figures import BLUE, GREY, INK, MUTED, Axes, Figure, dress, new_figure
+from surae.report.figures import (
+    BLUE,
+    GREY,
+    INK,
+    MUTED,
+    Axes,
+    Figure,
+    card_legend,
+    dress,
+    new_figure,
+)
 from surae.report.language import Words
 
 #: Half of a 95 % band in standard deviations.
@@ -144,15 +154,7 @@ def draw_relaxed(
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_formatter(lambda tick, _place: _.number(f"{tick:g}".replace("-", "−")))
     axes.axhline(0.0, color=MUTED, linewidth=0.6)
-    axes.legend(
-        frameon=False,
-        fontsize=7,
-        labelcolor=INK,
-        loc="lower left",
-        ncols=2,
-        bbox_to_anchor=(0.0, 1.0),
-        markerscale=2.0,
-    )
+    card_legend(axes, markerscale=2.0)
 
 
 def _stated(

@@ -3,7 +3,7 @@
 import numpy as np
 
 from surae.measures.working import WorkingStiffness
-from surae.report.figures import BLUE, INK, Figure, dress, new_figure
+from surae.report.figures import BLUE, INK, Figure, card_legend, dress, new_figure
 from surae.report.figures.leg import CARD_WIDTH
 from surae.report.figures.nerve import tick
 from surae.report.language import Words
@@ -24,12 +24,5 @@ def working_figure(steps: WorkingStiffness, _: Words) -> Figure:
     )
     dress(axes, _("Torque [Nm]"), _("Ankle angle [°], dorsiflexion positive"))
     tick(axes, _)
-    axes.legend(
-        frameon=False,
-        fontsize=7,
-        labelcolor=INK,
-        loc="lower left",
-        ncols=2,
-        bbox_to_anchor=(0.0, 1.0),
-    )
+    card_legend(axes)
     return figure

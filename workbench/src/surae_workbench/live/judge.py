@@ -183,34 +183,34 @@ def judge(
     if rest is not None:
         judgement |= by_rest(rest)
     advised = decided(quality, judgement, wrong)
-    told = {
+    by_curve = {
         _.language: {"advice": advised.said(_), "leg": of_leg(rest.measures, _) if rest else []}
         for _ in map(api.words_in, LANGUAGES)
     }
-    return judgement | {"verdict": advised.verdict, **told.pop("en"), "translated": told}
+    return judgement | {"verdict": advised.verdict, **by_curve.pop("en"), "translated": by_curve}
 
 
 def relaxed_of(recording: Recording) -> api.Relaxed | None:
     """What a relaxed trial says of the leg by itself and without a model; None: nothing."""
     try:
-        found = api.relaxed(recording, angles=_ANGLES)
+        curve = api.relaxed(recording, angles=_ANGLES)
     except SuraeError:
         return None
-    told = any(m.value is not None for m in found.measures.values())
-    return found if told else None
+    measures = any(m.value is not None for m in curve.measures.values())
+    return curve if measures else None
 
 
-def by_rest(found: api.Relaxed) -> dict[str, Any]:
+def by_rest(curve: api.Relaxed) -> dict[str, Any]:
     """Grade and reasons of a relaxed trial: its curve’s, whatever a model of muscles says of it.
 
     A leg whose tissue no model has would else be measured again and again. A curve that is doubted
     asks for no repetition: what was met is to be looked at.
     """
-    adequate = found.curve.grade == "adequate"
+    adequate = curve.curve.grade == "adequate"
     return {
-        "grade": str(found.curve.grade),
-        "reasons": [] if adequate else [str(found.findings[0])],
-        "against_rest": None if adequate else found.findings[0],
+        "grade": str(curve.curve.grade),
+        "reasons": [] if adequate else [str(curve.findings[0])],
+        "against_rest": None if adequate else curve.findings[0],
     }
 
 
