@@ -68,10 +68,11 @@ def test_what_can_be_seen_is_said(family, seed, tmp_path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("family", "seed"), [("ra", 501), ("rc", 502), ("rj", 501), ("rn", 502)])
-def test_no_tone_is_said_where_there_is_none(family, seed, tmp_path) -> None:
+def test_no_tone_and_no_softening_is_said_where_there_is_none(family, seed, tmp_path) -> None:
     found, _ = relaxed(family, seed, tmp_path)
     said = [message.code for message in found.curve.findings]
     assert not [code for code in said if code.startswith("relaxed/tone")]
+    assert "relaxed/less" not in said
 
 
 @pytest.mark.slow
